@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The eight numbers that a bake leaves at a point: the colours ``Multibounce AO`` and ``Bent Cone``."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import multibounce
+from .visibility import Visibility
+
+
+def fitted_bounces(visibility: Visibility) -> NDArray[np.float32]:
+    """``Multibounce AO`` (n, 4): F0 as measured, F1 = f1(alpha), F2 = T F1 and T = tau(alpha) from the published fit.
+
+    The fit knows alpha only, so F1 and then F2 are lowered where they would pass the light that F0 leaves.
+    """
+    f0 = visibility.f0.astype(np.float64)
+    decay = multibounce.tau(visibility.alpha)
+    f1 = np.minimum(multibounce.f1(visibility.alpha), 1.0 - f0)
+    f2 = np.minimum(decay * f1, 1.0 - f0 - f1)
+    return np.column_stack((f0, f1, f2, decay)).astype(np.float32)
+
+
+def bent_cone(visibility: Visibility, world_to_object: NDArray) -> NDArray[np.float32]:
+    """``Bent Cone`` (n, 4): the mean visible direction in object space, its length kept, and alpha.
+
+    world_to_object  (3, 3) float, the inverse of the object's linear transform
+    """
+    world = visibility.bent.astype(np.float64)
+    local = world @ np.asarray(world_to_object, np.float64).T
+    length = np.linalg.norm(local, axis=1, keepdims=True)
+    local *= np.divide(
+        np.linalg.norm(world, axis=1, keepdims=True), length, out=np.zeros_like(length), where=length > 0.0
+    )
+    return np.column_stack((local, visibility.alpha)).astype(np.float32)

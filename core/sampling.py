@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Directions over the hemisphere: one low-discrepancy pattern, turned about the normal at every point.
+
+All points share one pattern of S directions in the frame where the normal is +z. A point differs only by a random turn
+about its normal, so its rays cost one 3x3 matrix product and every weight is known before the first ray.
+
+The pattern is a spherical Fibonacci set (Keinert et al. 2015, "Spherical Fibonacci Mapping"): azimuths step by the
+golden ratio, elevations are the midpoints of S equal slices of the density below. Stratified in both, it beats Sobol
+and jittered sets at equal S.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+GOLDEN_RATIO = (1.0 + 5.0**0.5) / 2.0
+
+Density = Literal["uniform", "cosine", "mixture"]
+
+
+def hemisphere_elevation(u: ArrayLike, density: Density) -> NDArray[np.float64]:
+    """cos(theta) of direction ``u`` in [0, 1), by inverting the cumulative distribution of z = cos(theta).
+
+    uniform  p(w) = 1/2pi                 z = u
+    cosine   p(w) = z/pi                  z = sqrt(u), Malley's method: the disk lifted to the hemisphere
+    mixture  p(w) = (1/2pi + z/pi)/2      u = (z + z^2)/2, so z = (sqrt(1 + 8u) - 1)/2
+    """
+    u = np.asarray(u, np.float64)
+    if density == "uniform":
+        return u
+    if density == "cosine":
+        return np.sqrt(u)
+    return (np.sqrt(1.0 + 8.0 * u) - 1.0) / 2.0
+
+
+def hemisphere_density(z: ArrayLike, density: Density) -> NDArray[np.float64]:
+    """p(w) of :func:`hemisphere_elevation` at cos(theta) = ``z``, per steradian."""
+    z = np.asarray(z, np.float64)
+    uniform, cosine = np.full_like(z, 0.5 / np.pi), z / np.pi
+    if density == "uniform":
+        return uniform
+    if density == "cosine":
+        return cosine
+    return 0.5 * (uniform + cosine)
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """S directions about +z, and what a visible one adds to each integral.
+
+    directions  (S, 3) float64, unit length, z > 0
+    uniform     (S,) float64, sums to 1: weights of alpha = (1/2pi) * integral of V
+    cosine      (S,) float64, sums to 1: weights of k_A = (1/pi) * integral of V cos(theta)
+    """
+
+    directions: NDArray[np.float64]
+    uniform: NDArray[np.float64]
+    cosine: NDArray[np.float64]
+
+
+def hemisphere_pattern(samples: int, density: Density = "mixture") -> Pattern:
+    """The Fibonacci pattern of ``samples`` directions, with importance weights for alpha and k_A.
+
+    alpha wants uniform directions and k_A cosine-weighted ones, and both come from the same rays. Half of each,
+    weighted by the balance heuristic (Veach 1995), keeps both weights bounded, where cosine directions alone give
+    alpha an unbounded 1/cos(theta) at the horizon. ``tests/benchmarks/density.py`` measures the three.
+    """
+    if samples < 1:
+        raise ValueError(f"samples must be at least 1, not {samples}")
+    index = np.arange(samples)
+    z = hemisphere_elevation((index + 0.5) / samples, density)
+    azimuth = 2.0 * np.pi * np.mod(index / GOLDEN_RATIO, 1.0)
+    radius = np.sqrt(1.0 - z * z)
+    directions = np.column_stack((radius * np.cos(azimuth), radius * np.sin(azimuth), z))
+    pdf = hemisphere_density(z, density)
+    return Pattern(directions, _exact_weights(1.0 / pdf), _exact_weights(z / pdf))
+
+
+def _exact_weights(weights: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Weights scaled to sum to 1, as multiples of 2^-40.
+
+    Sums of such numbers are exact in float64 in whatever order they are added. So an open point gets exactly 1, a
+    closed one exactly 0, and threads, blocks and BLAS kernels cannot change a bit of a result.
+    """
+    units = np.rint(weights / weights.sum() * 2.0**40)
+    units[np.argmax(units)] += 2.0**40 - units.sum()
+    return units / 2.0**40
+
+
+def turns(index: ArrayLike, seed: int) -> NDArray[np.float64]:
+    """A random angle in [0, 2pi) for each point ``index`` (integers), the same whoever asks for it and when.
+
+    The PCG hash of Jarzynski and Olano 2020, "Hash Functions for GPU Rendering", once for the seed and once for the
+    index.
+    """
+    h = _pcg_hash(np.asarray(index, np.uint64).astype(np.uint32) ^ _pcg_hash(np.array(seed & 0xFFFFFFFF, np.uint32)))
+    return h.astype(np.float64) * (2.0 * np.pi / 2.0**32)
+
+
+def _pcg_hash(x: NDArray[np.uint32]) -> NDArray[np.uint32]:
+    """32-bit integer hash; arrays only, whose arithmetic wraps silently."""
+    x = np.atleast_1d(x)
+    state = x * np.uint32(747796405) + np.uint32(2891336453)
+    word = ((state >> ((state >> np.uint32(28)) + np.uint32(4))) ^ state) * np.uint32(277803737)
+    return (word >> np.uint32(22)) ^ word
+
+
+def frames(normals: NDArray, turn: NDArray) -> NDArray[np.float64]:
+    """Orthonormal frames about unit ``normals`` (n, 3), turned by ``turn`` (n,) radians: (n, 3, 3), rows x, y, z =
+    normal.
+
+    ``pattern @ frames[i]`` takes local directions to those of point i. Tangents by Duff et al. 2017, "Building an
+    Orthonormal Basis, Revisited".
+    """
+    x, y, z = np.asarray(normals, np.float64).T
+    sign = np.copysign(1.0, z)
+    a = -1.0 / (sign + z)
+    b = x * y * a
+    tangent = np.stack((1.0 + sign * x * x * a, sign * b, -sign * x), axis=1)
+    bitangent = np.stack((b, sign + y * y * a, -y), axis=1)
+    cos, sin = np.cos(turn)[:, None], np.sin(turn)[:, None]
+    return np.stack((cos * tangent + sin * bitangent, cos * bitangent - sin * tangent, normals), axis=1)
