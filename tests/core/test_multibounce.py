@@ -41,6 +41,7 @@ def test_guarded_everywhere():
     assert (tau >= 0.0).all() and (tau <= 1.0).all()
     # continuous: no step between close neighbours
     fine = np.linspace(0.7, 1.0, 30001)
+    assert np.abs(np.diff(multibounce.tau(fine))).max() < 1e-3
     assert np.abs(np.diff(multibounce.irradiance(fine, np.linspace(0, 0.9, 10)[:, None]))).max() < 1e-3
 
 
