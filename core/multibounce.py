@@ -52,7 +52,8 @@ def f1(alpha: ArrayLike) -> NDArray[np.float64]:
 def tau(alpha: ArrayLike) -> NDArray[np.float64]:
     """Ratio of each bounce to the one before it, in [0, 1], eq. (9).
 
-    Written as (1 - F0 - F1) / (1 - F0) with 0/0 = 0: where no light is left to bounce it stays the 0 that it comes from.
+    Written as (1 - F0 - F1) / (1 - F0) with 0/0 = 0: where no light is left to bounce it stays the 0 that it comes
+    from.
     """
     left = 1.0 - f0(alpha)
     return _ratio(left - f1(alpha), left)

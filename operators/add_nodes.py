@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Plug the node group into one material by hand."""
+
+from __future__ import annotations
+
+import bpy
+
+from .bake_job import baked_source
+from .material_nodes import plug
+
+
+class MULTIBOUNCE_AO_OT_add_nodes(bpy.types.Operator):
+    """Plug the multibounce node group into the active material, before the base colour of its Principled BSDF"""
+
+    bl_idname = "multibounce_ao.add_nodes"
+    bl_label = "Add Multibounce Nodes"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        obj = context.active_object
+        if obj is None or obj.active_material is None:
+            cls.poll_message_set("No active material: select an object and give it a material")
+            return False
+        if obj.active_material.library is not None:
+            cls.poll_message_set(f"Material '{obj.active_material.name}' is linked: make it local first")
+            return False
+        return True
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        obj = context.active_object
+        material = obj.active_material
+        source = baked_source(obj)
+        if not plug(material, context.scene.multibounce_ao.bounces, source):
+            self.report(
+                {"ERROR"}, f"Material '{material.name}' has no Principled BSDF: add one, or plug the group in by hand"
+            )
+            return {"CANCELLED"}
+        if source is None:
+            self.report({"INFO"}, f"'{obj.name}' has no bake yet: connect an AO map to the group's AO input, or bake")
+        return {"FINISHED"}

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The button: bake the selected meshes."""
+
+from __future__ import annotations
+
+import bpy
+
+from .bake_job import bake
+from .progress import Progress, StderrProgress, drive
+from .report import BakeError, ObjectReport, count_text
+from .settings import BakeSettings
+
+
+def selected_meshes(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """The selected mesh objects, the active one first."""
+    meshes = [obj for obj in context.selected_objects if obj.type == "MESH"]
+    return sorted(meshes, key=lambda obj: obj != context.active_object)
+
+
+class MULTIBOUNCE_AO_OT_bake(bpy.types.Operator):
+    """Bake ambient occlusion and the light of many bounces for the selected meshes"""
+
+    bl_idname = "multibounce_ao.bake"
+    bl_label = "Bake Multibounce AO"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if context.mode != "OBJECT":
+            cls.poll_message_set("Switch to Object Mode first")
+            return False
+        if not selected_meshes(context):
+            cls.poll_message_set("No mesh is selected: select the objects to bake")
+            return False
+        return True
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        work = bake(context, selected_meshes(context), BakeSettings.of(context.scene))
+        show = StderrProgress() if bpy.app.background else lambda step: _show_in_cursor(context, step)
+        context.window_manager.progress_begin(0, 100)
+        try:
+            reports = drive(work, show)
+        except BakeError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        finally:
+            context.window_manager.progress_end()
+        return self._tell(reports)
+
+    def _tell(self, reports: list[ObjectReport]) -> set[str]:
+        failed = [report.error for report in reports if report.error]
+        baked = [report for report in reports if report.f0 and not report.error]
+        for report in reports:
+            for warning in report.warnings:
+                self.report({"WARNING"}, f"'{report.name}': {warning}")
+        if not baked:
+            self.report({"ERROR"}, "\n".join(failed))
+            return {"CANCELLED"}
+        for message in failed:
+            self.report({"WARNING"}, message)
+        points, rays = sum(r.points for r in baked), sum(r.rays for r in baked)
+        seconds = sum(r.seconds for r in baked)
+        names = f"'{baked[0].name}'" if len(baked) == 1 else f"{len(baked)} objects"
+        self.report({"INFO"}, f"Baked {names}: {count_text(points)} points, {count_text(rays)} rays in {seconds:.1f} s")
+        return {"FINISHED"}
+
+
+def _show_in_cursor(context: bpy.types.Context, step: Progress) -> None:
+    context.window_manager.progress_update(int(100 * step.fraction))

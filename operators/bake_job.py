@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A bake from start to end, as a generator: the operator, the command line and the tests drive the same one.
+
+scene -> occluders and sample points -> rays -> channels -> attributes or images -> material nodes. Everything is
+computed before anything is written, so closing the generator at any yield leaves the scene as it was.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Generator
+from functools import partial
+
+import bpy
+import numpy as np
+
+from ..core.rays import Obscurance
+from ..core.sampling import hemisphere_pattern
+from ..core.visibility import trace_visibility
+from .images import find_image, output_folder
+from .material_nodes import GROUPS, BakedSource
+from .mesh_reader import evaluated_mesh, read_surface
+from .names import PROPERTY
+from .object_checks import check_evaluated, check_object
+from .object_materials import plug_object
+from .occluder_scenes import OccluderScenes
+from .progress import Progress, mapped
+from .report import BakeError, ObjectReport
+from .settings import BakeSettings
+from .texture_target import TextureResult, bake_texture
+from .uv_layout import uv_map_name
+from .version import extension_version
+from .vertex_target import VertexResult, bake_vertices, vertex_points
+
+
+def bake(
+    context: bpy.types.Context,
+    objects: list[bpy.types.Object],
+    settings: BakeSettings,
+    threads: int | None = None,
+) -> Generator[Progress, None, list[ObjectReport]]:
+    """Bake ``objects`` (meshes of the context's view layer) and return a report for each, in their order.
+
+    An object that cannot be baked has its ``error`` set, and the others are done. ``threads``: default one a core; it
+    changes no bit of the result. Raises BakeError where the settings allow no bake at all.
+    """
+    folder = output_folder(settings.output_directory) if settings.target == "TEXTURE" else ""
+    reports = [ObjectReport(obj.name, settings.target, samples=settings.samples) for obj in objects]
+    done: list[tuple[bpy.types.Object, ObjectReport, VertexResult | TextureResult]] = []
+    scenes = OccluderScenes(context, objects, settings)
+    trace = partial(
+        trace_visibility,
+        pattern=hemisphere_pattern(settings.samples),
+        obscurance=Obscurance(settings.max_distance or np.inf, settings.falloff, settings.ignore_backfaces),
+        seed=settings.seed,
+        threads=threads,
+    )
+    mesh_baked_by: dict[bpy.types.Mesh, str] = {}
+    for index, (obj, report) in enumerate(zip(objects, reports, strict=True)):
+        started = time.perf_counter()
+        yield Progress(index / len(objects), obj.name)
+        if settings.target == "VERTEX" and obj.data in mesh_baked_by:
+            report.warnings.append(
+                f"Shares its mesh with '{mesh_baked_by[obj.data]}', whose bake it shows: "
+                "for its own, make it single-user (Object > Relations > Make Single User)"
+            )
+            continue
+        work = _bake_object(context, obj, settings, folder, scenes, trace, report)
+        try:
+            result = yield from mapped(work, partial(_progress, index, len(objects), obj.name))
+        except BakeError as error:
+            report.error = f"Object '{obj.name}' {error}"
+            continue
+        done.append((obj, report, result))
+        mesh_baked_by[obj.data] = obj.name
+        report.rays = report.points * settings.samples
+        report.seconds = round(time.perf_counter() - started, 3)
+
+    for obj, report, result in done:
+        _store(obj, report, result, settings)
+    return reports
+
+
+def _progress(index: int, count: int, name: str, part: float) -> Progress:
+    return Progress((index + part) / count, name)
+
+
+def _bake_object(
+    context: bpy.types.Context,
+    obj: bpy.types.Object,
+    settings: BakeSettings,
+    folder: str,
+    scenes: OccluderScenes,
+    trace,
+    report: ObjectReport,
+) -> Generator[float, None, VertexResult | TextureResult]:
+    """Compute the bake of one object; yields the fraction done. Raises BakeError."""
+    check_object(obj, context.view_layer)
+    trace = partial(trace, scenes.scene_for(obj, report.warnings))
+    evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
+    matrix = np.array(evaluated.matrix_world)
+    # Blender's mesh is only held while it is read: it may be gone after a yield.
+    with evaluated_mesh(evaluated) as mesh:
+        check_evaluated(mesh, matrix)
+        if settings.target == "VERTEX":
+            work = bake_vertices(obj.data, vertex_points(obj.data, mesh, matrix), matrix, trace, report)
+        else:
+            uv_map = uv_map_name(mesh, settings.uv_map)
+            work = bake_texture(
+                obj, read_surface(mesh, matrix, uv_map), uv_map, matrix, trace, report, settings, folder
+            )
+    return (yield from work)
+
+
+def _store(
+    obj: bpy.types.Object,
+    report: ObjectReport,
+    result: VertexResult | TextureResult,
+    settings: BakeSettings,
+) -> None:
+    """Write the result, plug the nodes in, and leave the record of the bake on ``obj``."""
+    try:
+        report.outputs = result.write()
+    except OSError as error:
+        report.error = f"Object '{obj.name}' could not be stored ({error}): choose another output folder"
+        return
+    record = settings.as_property() | {
+        "version": extension_version(),
+        "points": report.points,
+        "rays": float(report.rays),  # ID properties have 32-bit integers
+        "seconds": report.seconds,
+        "f0": report.f0,
+    }
+    if isinstance(result, TextureResult):
+        record["uv_map"] = result.uv_map
+    obj[PROPERTY] = record
+    if settings.use_material_nodes:
+        report.warnings += plug_object(obj, settings.bounces, baked_source(obj))
+
+
+def baked_source(obj: bpy.types.Object) -> BakedSource | None:
+    """Where the materials of ``obj`` find its bake, or None where it has none."""
+    record = obj.get(PROPERTY)
+    if record is None:
+        return None
+    if record["target"] == "VERTEX":
+        return BakedSource()
+    channels = {channel for channel, _ in GROUPS[record["bounces"]][1].values()}
+    images = {channel: find_image(obj, channel) for channel in channels}
+    return BakedSource(images, record["uv_map"]) if all(images.values()) else None

@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Take a bake back: attributes, images and nodes."""
+
+from __future__ import annotations
+
+import bpy
+
+from .images import remove_images
+from .names import PROPERTY
+from .object_materials import unplug_object
+from .vertex_target import remove_attributes
+
+
+def clear_bake(objects: list[bpy.types.Object]) -> None:
+    """Remove what bakes left on the mesh ``objects`` and put their materials back. Files on disk stay."""
+    for obj in objects:
+        unplug_object(obj, cleared=objects)
+        remove_attributes(obj.data)
+        remove_images(obj)
+        if PROPERTY in obj:
+            del obj[PROPERTY]
+
+
+class MULTIBOUNCE_AO_OT_clear(bpy.types.Operator):
+    """Remove what a bake made on the selected objects: attributes, images and material nodes. Files on disk stay"""
+
+    bl_idname = "multibounce_ao.clear"
+    bl_label = "Clear Bake"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if context.mode != "OBJECT":
+            cls.poll_message_set("Switch to Object Mode first")
+            return False
+        if not _clearable(context):
+            cls.poll_message_set("No mesh is selected that can be edited: select the objects to clear")
+            return False
+        return True
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        objects = _clearable(context)
+        clear_bake(objects)
+        self.report({"INFO"}, f"Cleared the bake of {len(objects)} object{'s' if len(objects) > 1 else ''}")
+        return {"FINISHED"}
+
+
+def _clearable(context: bpy.types.Context) -> list[bpy.types.Object]:
+    return [obj for obj in context.selected_objects if obj.type == "MESH" and not (obj.library or obj.data.library)]

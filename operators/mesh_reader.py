@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender meshes as numpy arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.surface import Surface, unit
+from .report import BakeError
+
+
+@contextmanager
+def evaluated_mesh(evaluated: bpy.types.Object) -> Iterator[bpy.types.Mesh | None]:
+    """The triangulated mesh of an evaluated object (mesh, curve, text, ...), or None where it has none."""
+    try:
+        mesh = evaluated.to_mesh()
+    except RuntimeError:
+        mesh = None
+    try:
+        if mesh is not None:
+            mesh.calc_loop_triangles()
+        yield mesh
+    finally:
+        evaluated.to_mesh_clear()
+
+
+def read(collection, attribute: str, width: int, dtype: type) -> NDArray:
+    """``attribute`` of every element, as (n, width), or (n,) where ``width`` is 1."""
+    values = np.empty(len(collection) * width, dtype)
+    collection.foreach_get(attribute, values)
+    return values if width == 1 else values.reshape(-1, width)
+
+
+def read_positions(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
+    """Vertex positions (n, 3), object space."""
+    return read(mesh.vertices, "co", 3, np.float32)
+
+
+def to_world(points: NDArray, matrix: NDArray) -> NDArray[np.float64]:
+    """``points`` (n, 3) through a 4x4 ``matrix``, in float64: precision survives far from the origin."""
+    return points.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+def linear_inverse(matrix: NDArray) -> NDArray[np.float64]:
+    """Inverse (3, 3) of the linear part of a 4x4 ``matrix``: world directions to object space, and normals to the
+    world.
+
+    Raises BakeError for a scale of zero.
+    """
+    try:
+        return np.linalg.inv(matrix[:3, :3])
+    except np.linalg.LinAlgError:
+        raise BakeError("has a scale of zero: set its scale, or apply it") from None
+
+
+def front_facing(triangles: NDArray[np.int32], matrix: NDArray) -> NDArray[np.int32]:
+    """``triangles`` (m, 3) turned over where ``matrix`` mirrors, so that they keep their front."""
+    return triangles[:, ::-1] if np.linalg.det(matrix[:3, :3]) < 0.0 else triangles
+
+
+def read_surface(mesh: bpy.types.Mesh, matrix: NDArray, uv_map: str | None = None) -> Surface:
+    """``mesh`` in world space; ``uv_map`` must exist. Raises ValueError for a ``matrix`` with zero scale."""
+    vertices = to_world(read_positions(mesh), matrix)
+    corner_vertex = read(mesh.loops, "vertex_index", 1, np.int32)
+    face_start = read(mesh.polygons, "loop_start", 1, np.int32)
+    face_size = read(mesh.polygons, "loop_total", 1, np.int32)
+    corners = vertices[corner_vertex]
+    centre = np.add.reduceat(corners, face_start, axis=0) / face_size[:, None]
+    uv = None if uv_map is None else read(mesh.uv_layers[uv_map].uv, "vector", 2, np.float32).astype(np.float64)
+    return Surface(
+        vertices=vertices,
+        corner_vertex=corner_vertex,
+        corner_normals=unit(read(mesh.corner_normals, "vector", 3, np.float32) @ linear_inverse(matrix)),
+        corner_inset=np.repeat(centre, face_size, axis=0) - corners,
+        triangles=front_facing(read(mesh.loop_triangles, "loops", 3, np.int32), matrix),
+        corner_uv=uv,
+    )

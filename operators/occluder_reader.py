@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What blocks rays: the evaluated scene with its modifiers and instances, as one set of triangles."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from .mesh_reader import evaluated_mesh, front_facing, read, read_positions, to_world
+
+
+def read_occluders(
+    depsgraph: bpy.types.Depsgraph, owners: Collection[bpy.types.Object]
+) -> tuple[NDArray[np.float64], NDArray[np.int32], list[str]]:
+    """Triangles of the objects ``owners`` and of the instances they make (collections, geometry nodes, particles).
+
+    Returns vertices (n, 3) in world space, triangles (m, 3), and warnings. Triangles with NaN or infinite coordinates
+    are left out with a warning.
+    """
+    vertices, triangles, warnings, count = [np.empty((0, 3))], [np.empty((0, 3), np.int64)], [], 0
+    local: dict[tuple[int, int], tuple[NDArray, NDArray]] = {}
+    rendered: dict[tuple[bpy.types.Object, bpy.types.Object], bool] = {}
+    for instance in depsgraph.object_instances:
+        evaluated = instance.object
+        original = evaluated.original
+        owner = instance.parent.original if instance.is_instance else original
+        if owner not in owners or not instance.show_self or not original.visible_shadow:
+            continue
+        if instance.is_instance:
+            pair = (original, owner)
+            if pair not in rendered:
+                rendered[pair] = _instance_rendered(*pair)
+            if not rendered[pair]:
+                continue
+        # Instances of one mesh are read once.
+        key = (original.as_pointer(), evaluated.data.as_pointer() if evaluated.data else 0)
+        if key not in local:
+            local[key] = _read_local(evaluated)
+        positions, faces = local[key]
+        matrix = np.array(instance.matrix_world)
+        points = to_world(positions, matrix)
+        faces = front_facing(faces, matrix)
+        finite = np.isfinite(points).all(axis=1)
+        if not finite.all():
+            faces = faces[finite[faces].all(axis=1)]
+            points[~finite] = 0.0
+            warnings.append(f"'{owner.name}' has vertices without finite coordinates: their faces block no light")
+        vertices.append(points)
+        triangles.append(faces + count)
+        count += len(points)
+    return np.concatenate(vertices), np.concatenate(triangles).astype(np.int32), warnings
+
+
+def _instance_rendered(source: bpy.types.Object, owner: bpy.types.Object) -> bool:
+    """Whether renders show the instances of ``source`` that ``owner`` makes.
+
+    An object that is disabled in renders is left out of collections and of instancing on vertices and faces. Geometry
+    nodes that name the object itself show it all the same: so artists keep what they scatter.
+    """
+    if not source.hide_render or owner.instance_type != "NONE":
+        return not source.hide_render
+    users = bpy.data.user_map(subset={source})[source]
+    return any(user == owner or isinstance(user, bpy.types.GeometryNodeTree) for user in users)
+
+
+def _read_local(evaluated: bpy.types.Object) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
+    with evaluated_mesh(evaluated) as mesh:
+        if mesh is None:
+            return np.empty((0, 3), np.float32), np.empty((0, 3), np.int32)
+        return read_positions(mesh), read(mesh.loop_triangles, "vertices", 3, np.int32)
+
+
+def rendered_objects(view_layer: bpy.types.ViewLayer) -> set[bpy.types.Object]:
+    """Objects that are visible in the viewport and enabled in renders, themselves and by a collection that holds
+    them."""
+    found: set[bpy.types.Object] = set()
+    layers = [view_layer.layer_collection]
+    while layers:
+        layer = layers.pop()
+        if layer.exclude or layer.collection.hide_render:
+            continue
+        layers.extend(layer.children)
+        found.update(
+            obj for obj in layer.collection.objects if not obj.hide_render and obj.visible_get(view_layer=view_layer)
+        )
+    return found

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Generators that yield their progress and return their result: how to pass them on, and how to run them."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Generator
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+Result = TypeVar("Result")
+
+
+@dataclass(frozen=True)
+class Progress:
+    """``fraction`` of a whole bake in [0, 1] and the ``name`` of the object at work."""
+
+    fraction: float
+    name: str
+
+
+def mapped(work: Generator[Any, None, Result], change: Callable[[Any], Any]) -> Generator[Any, None, Result]:
+    """``work`` with each yield passed through ``change``; closing this closes ``work``."""
+    try:
+        while True:
+            yield change(next(work))
+    except StopIteration as finished:
+        return finished.value
+    finally:
+        work.close()
+
+
+def drive(work: Generator[Progress, None, Result], show: Callable[[Progress], None]) -> Result:
+    """Run ``work`` to its end, show each step, and return its result."""
+    try:
+        while True:
+            show(next(work))
+    except StopIteration as finished:
+        return finished.value
+    finally:
+        work.close()
+
+
+class StderrProgress:
+    """Prints a line on stderr for every tenth of the way."""
+
+    def __init__(self) -> None:
+        self._printed = -1
+
+    def __call__(self, progress: Progress) -> None:
+        tenth = int(10 * progress.fraction)
+        if tenth > self._printed:
+            self._printed = tenth
+            print(f"Multibounce AO: {10 * tenth:3d} %  {progress.name}", file=sys.stderr, flush=True)

@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a bake tells: one entry an object, for the panel, the object's property and the JSON report."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class BakeError(Exception):
+    """One object, or a whole bake, cannot be done; the message names it and says what to do."""
+
+
+@dataclass
+class ObjectReport:
+    """The bake of one object; ``error`` is None where it was done. The JSON report lists these fields."""
+
+    name: str
+    target: str
+    points: int = 0
+    samples: int = 0
+    rays: int = 0
+    seconds: float = 0.0
+    f0: dict[str, float] | None = None
+    outputs: list[str] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+    error: str | None = None
+
+    def as_dict(self) -> dict:
+        return asdict(self)
+
+
+def statistics(f0: NDArray[np.float32]) -> dict[str, float]:
+    """min, mean and max of F0 over the baked points."""
+    return {"min": float(f0.min()), "mean": float(f0.mean(dtype=np.float64)), "max": float(f0.max())}
+
+
+def count_text(count: float) -> str:
+    """A count as people read it: 6,144 or 33.4 M."""
+    return f"{count / 1e6:.1f} M" if count >= 1e6 else f"{count:,.0f}"
+
+
+def bake_report(version: str, scene: str, seconds: float, objects: list[ObjectReport]) -> dict:
+    """The report of the command line, ready for JSON."""
+    return {
+        "version": version,
+        "scene": scene,
+        "seconds": round(seconds, 3),
+        "objects": [report.as_dict() for report in objects],
+    }

@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""``scene.multibounce_ao``: the settings that every operator and the command line read."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
+
+
+class MultibounceAOSettings(bpy.types.PropertyGroup):
+    target: EnumProperty(
+        name="Target",
+        description="Where the result is stored",
+        items=(
+            ("VERTEX", "Vertices", "Colour attributes on the mesh"),
+            ("TEXTURE", "Texture", "Images, through a UV map"),
+        ),
+        default="VERTEX",
+    )
+    samples: IntProperty(
+        name="Samples",
+        description="Rays traced from each point",
+        default=256,
+        min=1,
+        max=2**16,
+        soft_min=16,
+        soft_max=4096,
+    )
+    max_distance: FloatProperty(
+        name="Max Distance",
+        description="Surfaces further away do not occlude. 0: no limit",
+        default=0.0,
+        min=0.0,
+        soft_max=100.0,
+        subtype="DISTANCE",
+        unit="LENGTH",
+    )
+    falloff: EnumProperty(
+        name="Falloff",
+        description="How occlusion fades with the distance of what occludes, up to Max Distance",
+        items=(
+            ("NONE", "None", "Everything within Max Distance occludes fully"),
+            ("LINEAR", "Linear", "Fades evenly from full at contact to nothing at Max Distance"),
+            ("SMOOTH", "Smooth", "As Linear, eased at both ends"),
+        ),
+        default="NONE",
+    )
+    occluders: EnumProperty(
+        name="Occluders",
+        description="Which objects block rays",
+        items=(
+            ("SELF", "Self", "Only the baked object, with the instances it makes"),
+            ("SELECTED", "Selected", "The selected objects"),
+            ("VISIBLE", "Visible", "All objects that are visible and enabled in renders"),
+        ),
+        default="VISIBLE",
+    )
+    use_ground_plane: BoolProperty(
+        name="Ground Plane",
+        description="Add an infinite floor under the lowest point of the baked objects",
+        default=False,
+    )
+    ignore_backfaces: BoolProperty(
+        name="Ignore Backfaces",
+        description="Let rays pass through faces that they hit from behind",
+        default=False,
+    )
+    bounces: EnumProperty(
+        name="Bounces",
+        description="How the light that arrives after the first bounce is found",
+        items=(("FITTED", "Fitted", "The published fit, from ambient occlusion alone"),),
+        default="FITTED",
+    )
+    use_material_nodes: BoolProperty(
+        name="Material Nodes",
+        description="Plug the result into the materials of the baked objects",
+        default=True,
+    )
+    seed: IntProperty(
+        name="Seed",
+        description="Pattern of the noise. The same seed gives the same result",
+        default=0,
+        min=0,
+    )
+    resolution: IntProperty(
+        name="Resolution",
+        description="Width and height of the images",
+        default=1024,
+        min=1,
+        max=16384,
+        soft_min=64,
+        soft_max=8192,
+        subtype="PIXEL",
+    )
+    margin: IntProperty(
+        name="Margin",
+        description="How far the result extends past the edges of UV islands",
+        default=16,
+        min=0,
+        max=32767,
+        soft_max=64,
+        subtype="PIXEL",
+    )
+    uv_map: StringProperty(
+        name="UV Map",
+        description="UV map to bake into. Empty: the one that is active for rendering",
+    )
+    output_directory: StringProperty(
+        name="Output",
+        description="Folder for OpenEXR files. Empty: the images are packed in the .blend",
+        subtype="DIR_PATH",
+    )
+
+
+@dataclass(frozen=True)
+class BakeSettings:
+    """A copy of the settings at the moment a bake starts, so that nothing changes under it."""
+
+    target: str
+    samples: int
+    max_distance: float
+    falloff: str
+    occluders: str
+    use_ground_plane: bool
+    ignore_backfaces: bool
+    bounces: str
+    use_material_nodes: bool
+    seed: int
+    resolution: int
+    margin: int
+    uv_map: str
+    output_directory: str
+
+    @classmethod
+    def of(cls, scene: bpy.types.Scene) -> BakeSettings:
+        return cls(**{name: getattr(scene.multibounce_ao, name) for name in cls.__dataclass_fields__})
+
+    def as_property(self) -> dict[str, object]:
+        """The settings as values that an ID property holds."""
+        return asdict(self)
+
+
+def set_from_text(settings: bpy.types.PropertyGroup, name: str, text: str) -> None:
+    """Set the property ``name`` from ``text``. Raises ValueError that says what would be right."""
+    names = BakeSettings.__dataclass_fields__
+    if name not in names:
+        raise ValueError(f"there is no setting '{name}': choose among {', '.join(names)}")
+    prop = settings.bl_rna.properties[name]
+    if prop.type == "BOOLEAN":
+        words = {
+            "1": True,
+            "true": True,
+            "on": True,
+            "yes": True,
+            "0": False,
+            "false": False,
+            "off": False,
+            "no": False,
+        }
+        if text.lower() not in words:
+            raise ValueError("write on or off")
+        value = words[text.lower()]
+    elif prop.type == "ENUM":
+        choices = [item.identifier for item in prop.enum_items]
+        if text.upper() not in choices:
+            raise ValueError(f"choose among {', '.join(choices)}")
+        value = text.upper()
+    elif prop.type in {"INT", "FLOAT"}:
+        kind, noun = (int, "a whole number") if prop.type == "INT" else (float, "a number")
+        try:
+            value = kind(text)
+        except ValueError:
+            raise ValueError(f"write {noun}") from None
+        if not prop.hard_min <= value <= prop.hard_max:
+            raise ValueError(f"write {noun} from {prop.hard_min:g} to {prop.hard_max:g}")
+    else:
+        value = text
+    setattr(settings, name, value)
+
+
+def add_to_scene() -> None:
+    bpy.types.Scene.multibounce_ao = PointerProperty(type=MultibounceAOSettings, name="Multibounce AO")
+
+
+def remove_from_scene() -> None:
+    del bpy.types.Scene.multibounce_ao

@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Baking to images: the texels of a UV map, a band of rows at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.channels import bent_cone, fitted_bounces
+from ..core.margin import extend_margin
+from ..core.rasterise import bands, rasterise
+from ..core.surface import Surface
+from .images import store_image
+from .mesh_reader import linear_inverse
+from .names import BENT_CONE, MULTIBOUNCE_AO
+from .progress import mapped
+from .report import BakeError, ObjectReport, statistics
+from .settings import BakeSettings
+from .uv_layout import check_layout
+
+
+@dataclass(frozen=True)
+class TextureResult:
+    """Images (h, w, 4) float32 of one object, ready to be stored in ``folder``, or packed where that is empty."""
+
+    obj: bpy.types.Object
+    uv_map: str
+    folder: str
+    multibounce_ao: NDArray[np.float32]
+    bent_cone: NDArray[np.float32]
+
+    def write(self) -> list[str]:
+        """Store both images; returns their files or names. Raises OSError where a file cannot be written."""
+        return [
+            store_image(self.obj, MULTIBOUNCE_AO, self.multibounce_ao, self.folder),
+            store_image(self.obj, BENT_CONE, self.bent_cone, self.folder),
+        ]
+
+
+def bake_texture(
+    obj: bpy.types.Object,
+    surface: Surface,
+    uv_map: str,
+    matrix: NDArray,
+    trace,
+    report: ObjectReport,
+    settings: BakeSettings,
+    folder: str,
+) -> Generator[float, None, TextureResult]:
+    """Bake the texels of ``obj``, whose evaluated ``surface`` has the UVs of ``uv_map``; yields the fraction done.
+
+    ``trace(positions, normals, extent=..., first_index=...)`` is :func:`core.visibility.trace_visibility` with its
+    scene and settings bound; ``matrix`` (4, 4) places the object. Raises BakeError where the UV map leaves nothing to
+    bake.
+    """
+    triangle_uv = surface.corner_uv[surface.triangles]
+    report.warnings += check_layout(triangle_uv, uv_map)
+
+    size = settings.resolution
+    world_to_object = linear_inverse(matrix)
+    bounces = np.zeros((size * size, 4), np.float32)
+    cone = np.zeros((size * size, 4), np.float32)
+    covered = np.zeros(size * size, bool)
+    for first, last in bands(size, size):
+        texels = rasterise(triangle_uv, size, size, (first, last))
+        if not len(texels.texel):
+            continue
+        tracing = trace(
+            surface.positions_at(texels.triangle, texels.barycentric),
+            surface.normals_at(texels.triangle, texels.barycentric),
+            extent=surface.extent,
+            first_index=report.points,
+        )
+        rows = (last - first) / len(texels.texel)
+        visibility = yield from mapped(tracing, lambda done, first=first, rows=rows: (first + done * rows) / size)
+        bounces[texels.texel] = fitted_bounces(visibility)
+        cone[texels.texel] = bent_cone(visibility, world_to_object)
+        covered[texels.texel] = True
+        report.points += len(texels.texel)
+    if not report.points:
+        raise BakeError(f"touches no texel in UV map '{uv_map}': pack its islands (UV > Pack Islands)")
+    report.f0 = statistics(bounces[covered, 0])
+
+    bounces, cone, covered = bounces.reshape(size, size, 4), cone.reshape(size, size, 4), covered.reshape(size, size)
+    extend_margin(bounces, covered, settings.margin)
+    extend_margin(cone, covered, settings.margin)
+    return TextureResult(obj, uv_map, folder, bounces, cone)

@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The UV map that a texture bake fills: which one, and whether it can be baked into."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from .report import BakeError
+
+UNWRAP = "unwrap it first (UV > Smart UV Project), or bake to vertices"
+
+
+def uv_map_name(mesh: bpy.types.Mesh, wanted: str) -> str:
+    """The UV map to bake into: ``wanted``, or the one active for rendering. Raises BakeError where there is none."""
+    layers = mesh.uv_layers
+    if not layers:
+        raise BakeError(f"has no UV map: {UNWRAP}")
+    if wanted and wanted not in layers:
+        names = ", ".join(f"'{layer.name}'" for layer in layers)
+        raise BakeError(f"has no UV map '{wanted}': choose one of {names}")
+    return wanted or next(layer.name for layer in layers if layer.active_render)
+
+
+def check_layout(triangle_uv: NDArray[np.float64], uv_map: str) -> list[str]:
+    """Warnings about ``triangle_uv`` (m, 3, 2). Raises BakeError where no texel could be baked."""
+    a, b, c = np.moveaxis(triangle_uv, 1, 0)
+    area = 0.5 * np.abs((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
+    # Of the whole 0-1 tile; less than a texel of the largest image.
+    if not np.nansum(np.where(np.isfinite(area), area, 0.0)) > 1e-10:
+        raise BakeError(f"has no area in UV map '{uv_map}': {UNWRAP}")
+    low, high = triangle_uv.min(axis=1), triangle_uv.max(axis=1)
+    outside = ((high <= 0.0) | (low >= 1.0)).any(axis=1)
+    if outside.all():
+        raise BakeError(f"lies outside the 0-1 tile in UV map '{uv_map}': pack its islands (UV > Pack Islands)")
+    warnings = []
+    crossing = ((low < -1e-5) | (high > 1.0 + 1e-5)).any(axis=1)
+    if crossing.any():
+        warnings.append(
+            f"UV map '{uv_map}': {crossing.mean():.1%} of the triangles reach out of the 0-1 tile, where nothing is "
+            "baked: pack its islands (UV > Pack Islands)"
+        )
+    if area[~outside].sum() > 1.001:
+        warnings.append(
+            f"UV map '{uv_map}' overlaps itself: where faces share texels, one of them decides their colour"
+        )
+    return warnings
