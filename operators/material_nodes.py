@@ -47,10 +47,10 @@ def plug(material: bpy.types.Material, bounces: str, source: BakedSource | None)
             group = _new_node(tree, "ShaderNodeGroup", bsdf.location.x - 260, bsdf.location.y)
             group.node_tree = group_tree
             group.width = 200
+            group.inputs["Base Color"].default_value = socket.default_value
             if link:
-                tree.links.new(link.from_socket, group.inputs["Base Color"])
-            else:
-                group.inputs["Base Color"].default_value = socket.default_value
+                muted = link.is_muted
+                tree.links.new(link.from_socket, group.inputs["Base Color"]).is_muted = muted
             tree.links.new(group.outputs["Color"], socket)
         plugged.append(group)
     if plugged and source is not None:
@@ -69,7 +69,9 @@ def unplug(material: bpy.types.Material) -> None:
         for link in list(color.links) if color else []:
             target = link.to_socket
             if base_color.is_linked:
-                tree.links.new(base_color.links[0].from_socket, target)
+                source = base_color.links[0]
+                muted = source.is_muted
+                tree.links.new(source.from_socket, target).is_muted = muted
             else:
                 tree.links.remove(link)
                 if hasattr(target, "default_value"):

@@ -43,22 +43,20 @@ def unplug_object(obj: bpy.types.Object, cleared: Collection[bpy.types.Object]) 
     """Put the materials of ``obj`` back; nodes that a baked object outside ``cleared`` still shows stay."""
     for index in reversed(range(len(obj.material_slots))):
         slot = obj.material_slots[index]
+        if slot.material is not None and slot.material.get(_ORIGINAL) is not None:
+            _give_original_back(slot)
         material = slot.material
         if material is None or material.library is not None:
             continue
-        if _ORIGINAL in material:
-            slot.material = material[_ORIGINAL]
-            slot.link = material[_SLOT_LINK]
-        elif any(PROPERTY in other for other in _users(material) if other not in cleared):
+        if _has_copies(material) or any(PROPERTY in other for other in _users(material) if other not in cleared):
             continue
-        elif _CREATED in material:
-            if material[_CREATED] == "SLOT":
-                _remove_slot(obj, index)
-            else:
-                slot.material = None
-        else:
+        if _CREATED not in material:
             unplug(material)
             continue
+        if material[_CREATED] == "SLOT":
+            _remove_slot(obj, index)
+        else:
+            slot.material = None
         if material.users == 0:
             bpy.data.materials.remove(material)
 
@@ -92,9 +90,26 @@ def _make_own(slot: bpy.types.MaterialSlot, obj: bpy.types.Object) -> None:
     slot.material = own
 
 
+def _give_original_back(slot: bpy.types.MaterialSlot) -> None:
+    own = slot.material
+    if own[_SLOT_LINK] == slot.link:
+        slot.material = own[_ORIGINAL]
+    else:
+        # The mesh has kept the original: only the object's own place is emptied.
+        slot.material = None
+        slot.link = own[_SLOT_LINK]
+    if own.users == 0:
+        bpy.data.materials.remove(own)
+
+
 def _users(material: bpy.types.Material) -> list[bpy.types.Object]:
     return [obj for obj in bpy.data.objects if any(slot.material == material for slot in obj.material_slots)]
 
 
 def _used_by_others(material: bpy.types.Material, obj: bpy.types.Object) -> bool:
-    return any(other != obj for other in _users(material))
+    return _has_copies(material) or any(other != obj for other in _users(material))
+
+
+def _has_copies(material: bpy.types.Material) -> bool:
+    """Whether objects have a copy of their own of ``material``: it is what they will get back."""
+    return any(other.get(_ORIGINAL) == material for other in bpy.data.materials)

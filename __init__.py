@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Multibounce AO: ambient occlusion, coloured as light is after many bounces.
+
+core/          the mathematics and the rays, without Blender
+operators/     reads and writes Blender's data
+shader_nodes/  builds the node groups
+panels/        draws
+"""
+
+import bpy
+
+from .operators import command_line, settings
+from .operators.add_nodes import MULTIBOUNCE_AO_OT_add_nodes
+from .operators.bake import MULTIBOUNCE_AO_OT_bake
+from .operators.clear import MULTIBOUNCE_AO_OT_clear
+from .panels.bake_panel import (
+    MULTIBOUNCE_AO_PT_bake,
+    MULTIBOUNCE_AO_PT_occlusion,
+    MULTIBOUNCE_AO_PT_result,
+    MULTIBOUNCE_AO_PT_texture,
+)
+
+# In order of registration: the settings' type before its place on the scene, a panel before its sub-panels.
+CLASSES = (
+    settings.MultibounceAOSettings,
+    MULTIBOUNCE_AO_OT_bake,
+    MULTIBOUNCE_AO_OT_clear,
+    MULTIBOUNCE_AO_OT_add_nodes,
+    MULTIBOUNCE_AO_PT_bake,
+    MULTIBOUNCE_AO_PT_occlusion,
+    MULTIBOUNCE_AO_PT_texture,
+    MULTIBOUNCE_AO_PT_result,
+)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    settings.add_to_scene()
+    command_line.register()
+
+
+def unregister() -> None:
+    command_line.unregister()
+    settings.remove_from_scene()
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The N-panel: the button, the settings in order of use, and the last result."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..operators.names import PROPERTY
+from ..operators.report import count_text
+
+
+class _SidebarPanel:
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Multibounce AO"
+
+    def _column(self, layout: bpy.types.UILayout) -> bpy.types.UILayout:
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        return layout.column()
+
+
+class MULTIBOUNCE_AO_PT_bake(_SidebarPanel, bpy.types.Panel):
+    bl_label = "Multibounce AO"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        settings = context.scene.multibounce_ao
+        row = self.layout.row()
+        row.scale_y = 1.5
+        row.operator("multibounce_ao.bake", icon="RENDER_STILL")
+
+        column = self._column(self.layout)
+        column.row().prop(settings, "target", expand=True)
+        column.prop(settings, "samples")
+        column.prop(settings, "bounces")
+        column.prop(settings, "use_material_nodes")
+
+        row = self.layout.row(align=True)
+        row.operator("multibounce_ao.add_nodes", text="Add Nodes", icon="NODE_MATERIAL")
+        row.operator("multibounce_ao.clear", text="Clear", icon="TRASH")
+
+
+class MULTIBOUNCE_AO_PT_occlusion(_SidebarPanel, bpy.types.Panel):
+    bl_label = "Occlusion"
+    bl_parent_id = "MULTIBOUNCE_AO_PT_bake"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        settings = context.scene.multibounce_ao
+        column = self._column(self.layout)
+        column.prop(settings, "occluders")
+        column.prop(settings, "use_ground_plane")
+        column.prop(settings, "ignore_backfaces")
+        column.separator()
+        column.prop(settings, "max_distance")
+        falloff = column.row()
+        falloff.active = settings.max_distance > 0.0
+        falloff.prop(settings, "falloff")
+        column.separator()
+        column.prop(settings, "seed")
+
+
+class MULTIBOUNCE_AO_PT_texture(_SidebarPanel, bpy.types.Panel):
+    bl_label = "Texture"
+    bl_parent_id = "MULTIBOUNCE_AO_PT_bake"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        settings = context.scene.multibounce_ao
+        column = self._column(self.layout)
+        column.active = settings.target == "TEXTURE"
+        column.prop(settings, "resolution")
+        column.prop(settings, "margin")
+        obj = context.active_object
+        if obj is not None and obj.type == "MESH":
+            column.prop_search(settings, "uv_map", obj.data, "uv_layers", icon="GROUP_UVS")
+        else:
+            column.prop(settings, "uv_map")
+        column.prop(settings, "output_directory")
+
+
+class MULTIBOUNCE_AO_PT_result(_SidebarPanel, bpy.types.Panel):
+    bl_label = "Last Bake"
+    bl_parent_id = "MULTIBOUNCE_AO_PT_bake"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return context.active_object is not None and PROPERTY in context.active_object
+
+    def draw(self, context: bpy.types.Context) -> None:
+        record = context.active_object[PROPERTY]
+        f0 = record["f0"]
+        lines = (
+            ("Points", count_text(record["points"])),
+            ("Rays", count_text(record["rays"])),
+            ("Time", f"{record['seconds']:.2f} s"),
+            ("Mean AO", f"{f0['mean']:.3f}  ({f0['min']:.2f} to {f0['max']:.2f})"),
+        )
+        split = self.layout.split(factor=0.4)
+        labels, values = split.column(), split.column()
+        labels.alignment = "RIGHT"
+        for label, value in lines:
+            labels.label(text=label)
+            values.label(text=value)
