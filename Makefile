@@ -1,0 +1,34 @@
+# Targets for developers; `make help` lists them. The default Python is python3, which must be 3.11 or 3.13.
+PYTHON ?= python3
+VENV := .venv/$(or $(shell $(PYTHON) -c 'import sys; print("%d.%d" % sys.version_info[:2])' 2>/dev/null),none)
+STAMP := $(VENV)/.stamp
+
+.PHONY: help demo test test-blender bench zip lint clean
+help:            ## list the targets
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' Makefile
+
+$(STAMP): tools/requirements.txt tools/make_venv.sh
+	@tools/make_venv.sh $(PYTHON) $(VENV)
+	@touch $@
+
+demo: $(STAMP)   ## bake and render the demo scene into out/demo/
+	$(VENV)/bin/python demo/run.py
+
+test: $(STAMP)   ## run the tests in the bpy module; ARGS go to pytest
+	$(VENV)/bin/python -m pytest $(ARGS)
+
+test-blender: $(STAMP)   ## the same in a real Blender, on the built zip; BLENDER, else the PATH's, else fetched
+	tools/test_in_blender.sh $(VENV) $(ARGS)
+
+bench: $(STAMP)  ## run the benchmarks
+	$(VENV)/bin/python tests/benchmarks/run.py
+
+zip: $(STAMP)    ## build the installable zips into dist/
+	$(VENV)/bin/python tools/build_zip.py
+
+lint: $(STAMP)   ## check the style
+	$(VENV)/bin/ruff check .
+
+clean:           ## remove what the other targets made
+	rm -rf build dist out wheels .venv .pytest_cache .ruff_cache
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
