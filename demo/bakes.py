@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bakes the ruin as its user would: choose settings, select objects, press the button."""
+
+import time
+from pathlib import Path
+
+import bpy
+from scene import Ruin
+
+VERTEX_SAMPLES = 128
+TEXTURE_SAMPLES = 64
+TEXTURE_SIZE = 512
+
+
+def _bake(objects: list[bpy.types.Object]) -> None:
+    for scene_object in bpy.context.view_layer.objects:
+        scene_object.select_set(scene_object in objects)
+    bpy.context.view_layer.objects.active = objects[0]
+    bpy.ops.multibounce_ao.bake()
+
+
+def bake_ruin(ruin: Ruin, maps_folder: str) -> float:
+    """Bake some objects to vertices and some to textures in `maps_folder`; returns the seconds it took."""
+    started = time.perf_counter()
+    settings = bpy.context.scene.multibounce_ao
+    settings.bounces = "FITTED"
+    settings.target = "VERTEX"
+    settings.samples = VERTEX_SAMPLES
+    _bake(ruin.vertex_objects)
+    settings.target = "TEXTURE"
+    settings.samples = TEXTURE_SAMPLES
+    settings.resolution = TEXTURE_SIZE
+    settings.output_directory = maps_folder
+    _bake(ruin.texture_objects)
+    return time.perf_counter() - started
+
+
+def _entry(scene_object: bpy.types.Object) -> dict:
+    record = scene_object["multibounce_ao"].to_dict()
+    if record["target"] == "VERTEX":
+        outputs = ["Multibounce AO", "Bent Cone"]
+    else:
+        images = (bpy.data.images[f"{scene_object.name} {channel}"] for channel in ("Multibounce AO", "Bent Cone"))
+        outputs = [bpy.path.abspath(image.filepath) for image in images]
+    return {
+        "name": scene_object.name,
+        "target": record["target"],
+        "points": int(record["points"]),
+        "samples": int(record["samples"]),
+        "rays": int(record["rays"]),
+        "seconds": record["seconds"],
+        "f0": record["f0"],
+        "outputs": outputs,
+        "warnings": list(record.get("warnings", [])),
+        "error": None,
+    }
+
+
+def report(ruin: Ruin, seconds: float, scene_file: Path) -> dict:
+    """What was baked, in the shape of the command line's JSON report."""
+    objects = ruin.vertex_objects + ruin.texture_objects
+    return {
+        "version": objects[0]["multibounce_ao"]["version"],
+        "scene": str(scene_file),
+        "seconds": round(seconds, 3),
+        "objects": [_entry(scene_object) for scene_object in objects],
+    }
