@@ -67,7 +67,9 @@ class Occluders:
         triangles = np.ascontiguousarray(triangles, np.int32).reshape(-1, 3)
         if not np.isfinite(vertices).all():
             raise ValueError("occluder vertices must be finite")
-        used = vertices[np.unique(triangles)] if len(triangles) else np.zeros((1, 3))
+        is_used = np.zeros(len(vertices), bool)
+        is_used[triangles] = True
+        used = vertices[is_used] if len(triangles) else np.zeros((1, 3))
         low, high = used.min(axis=0), used.max(axis=0)
         self.centre = 0.5 * (low + high)
         self.scale = 2.0 / max(float((high - low).max()), np.finfo(np.float32).tiny)

@@ -17,7 +17,7 @@ import numpy as np
 from ..core.rays import Obscurance
 from ..core.sampling import hemisphere_pattern
 from ..core.visibility import trace_visibility
-from .images import find_image, output_folder
+from .images import check_image_names, find_image, output_folder
 from .material_nodes import GROUPS, BakedSource
 from .mesh_reader import evaluated_mesh, read_surface
 from .names import PROPERTY
@@ -30,7 +30,7 @@ from .settings import BakeSettings
 from .texture_target import TextureResult, bake_texture
 from .uv_layout import uv_map_name
 from .version import extension_version
-from .vertex_target import VertexResult, bake_vertices, vertex_points
+from .vertex_target import VertexResult, bake_vertices, check_attribute_names, vertex_points
 
 
 def bake(
@@ -98,13 +98,15 @@ def _bake_object(
     check_object(obj, context.view_layer)
     trace = partial(trace, scenes.scene_for(obj, report.warnings))
     evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
-    matrix = np.array(evaluated.matrix_world)
+    matrix = np.array(evaluated.matrix_world, np.float64)
     # Blender's mesh is only held while it is read: it may be gone after a yield.
     with evaluated_mesh(evaluated) as mesh:
         check_evaluated(mesh, matrix)
         if settings.target == "VERTEX":
+            check_attribute_names(obj)
             work = bake_vertices(obj.data, vertex_points(obj.data, mesh, matrix), matrix, trace, report)
         else:
+            check_image_names(obj)
             uv_map = uv_map_name(mesh, settings.uv_map)
             work = bake_texture(
                 obj, read_surface(mesh, matrix, uv_map), uv_map, matrix, trace, report, settings, folder
@@ -122,7 +124,10 @@ def _store(
     try:
         report.outputs = result.write()
     except OSError as error:
-        report.error = f"Object '{obj.name}' could not be stored ({error}): choose another output folder"
+        reason = (error.strerror or str(error)).lower()
+        report.error = (
+            f"Object '{obj.name}' cannot be stored in '{result.folder}' ({reason}): choose another output folder"
+        )
         return
     record = settings.as_property() | {
         "version": extension_version(),
@@ -136,6 +141,7 @@ def _store(
     obj[PROPERTY] = record
     if settings.use_material_nodes:
         report.warnings += plug_object(obj, settings.bounces, baked_source(obj))
+    obj[PROPERTY]["warnings"] = report.warnings
 
 
 def baked_source(obj: bpy.types.Object) -> BakedSource | None:

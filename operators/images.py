@@ -12,7 +12,6 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.exr import write_exr
 from .names import BENT_CONE, MULTIBOUNCE_AO, PROPERTY
 from .report import BakeError
 
@@ -41,9 +40,12 @@ def output_folder(setting: str) -> str:
 
 
 def image_name(obj: bpy.types.Object, channel: str) -> str:
-    """``<object> <channel>``, the object's part shortened where Blender's limit of 63 bytes asks it."""
-    room = 63 - len(channel) - 1
-    return f"{obj.name.encode()[:room].decode(errors='ignore')} {channel}"
+    """``<object> <channel>``; the object's part is shortened, and kept apart from others, past Blender's 63 bytes."""
+    name = f"{obj.name} {channel}"
+    if len(name.encode()) <= 63:
+        return name
+    suffix = f"_{zlib.crc32(obj.name.encode()):08x} {channel}"
+    return obj.name.encode()[: 63 - len(suffix)].decode(errors="ignore") + suffix
 
 
 def file_path(obj: bpy.types.Object, channel: str, folder: str) -> Path:
@@ -55,6 +57,14 @@ def file_path(obj: bpy.types.Object, channel: str, folder: str) -> Path:
     return Path(folder) / (stem + FILE_SUFFIX[channel])
 
 
+def check_image_names(obj: bpy.types.Object) -> None:
+    """Raises BakeError where an image that is no bake has a name that the bake needs: it may be the artist's work."""
+    for channel in FILE_SUFFIX:
+        image = bpy.data.images.get((image_name(obj, channel), None))
+        if image is not None and PROPERTY not in image:
+            raise BakeError(f"would replace the image '{image.name}', which is no bake: rename or remove that image")
+
+
 def find_image(obj: bpy.types.Object, channel: str) -> bpy.types.Image | None:
     """The image that a bake of ``obj`` left, if any."""
     image = bpy.data.images.get((image_name(obj, channel), None))
@@ -62,15 +72,14 @@ def find_image(obj: bpy.types.Object, channel: str) -> bpy.types.Image | None:
 
 
 def store_image(obj: bpy.types.Object, channel: str, pixels: NDArray[np.float32], folder: str) -> str:
-    """Keep ``pixels`` (h, w, 4), bottom row first, as the image of ``channel``; returns its file, or its name if
-    packed.
+    """Keep ``pixels`` (h, w, 4), bottom row first, as the image of ``channel``; returns its name if it is packed.
 
-    An older image of that name hands its users over. Raises OSError where the file cannot be written.
+    With a ``folder`` its file is there already: the image shows that file, whose path is returned. An older image of
+    that name hands its users over.
     """
     name = image_name(obj, channel)
     if folder:
         path = file_path(obj, channel, folder)
-        write_exr(path, pixels)
         image = bpy.data.images.load(_as_blender_shows_it(path), check_existing=False)
     else:
         height, width = pixels.shape[:2]
@@ -78,6 +87,7 @@ def store_image(obj: bpy.types.Object, channel: str, pixels: NDArray[np.float32]
     image.colorspace_settings.name = "Non-Color"
     image.alpha_mode = "CHANNEL_PACKED"
     image[PROPERTY] = True
+    image.use_fake_user = True  # Blender saves no image that nothing uses, not even a packed one
     if not folder:
         image.pixels.foreach_set(np.ascontiguousarray(pixels, np.float32).ravel())
         image.pack()

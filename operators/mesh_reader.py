@@ -42,8 +42,12 @@ def read_positions(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
 
 
 def to_world(points: NDArray, matrix: NDArray) -> NDArray[np.float64]:
-    """``points`` (n, 3) through a 4x4 ``matrix``, in float64: precision survives far from the origin."""
-    return points.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
+    """``points`` (n, 3) through a 4x4 ``matrix``, in float64: precision survives far from the origin.
+
+    What is not finite stays so, without a word.
+    """
+    with np.errstate(invalid="ignore", over="ignore"):
+        return points.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
 
 
 def linear_inverse(matrix: NDArray) -> NDArray[np.float64]:

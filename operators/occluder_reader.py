@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 
 from .mesh_reader import evaluated_mesh, front_facing, read, read_positions, to_world
 
+# Objects that evaluate to faces.
+SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
+
 
 def read_occluders(
     depsgraph: bpy.types.Depsgraph, owners: Collection[bpy.types.Object]
@@ -27,7 +30,9 @@ def read_occluders(
         evaluated = instance.object
         original = evaluated.original
         owner = instance.parent.original if instance.is_instance else original
-        if owner not in owners or not instance.show_self or not original.visible_shadow:
+        if owner not in owners or evaluated.type not in SURFACE_TYPES:
+            continue
+        if not instance.show_self or not original.visible_shadow:
             continue
         if instance.is_instance:
             pair = (original, owner)
@@ -40,7 +45,7 @@ def read_occluders(
         if key not in local:
             local[key] = _read_local(evaluated)
         positions, faces = local[key]
-        matrix = np.array(instance.matrix_world)
+        matrix = np.array(instance.matrix_world, np.float64)
         points = to_world(positions, matrix)
         faces = front_facing(faces, matrix)
         finite = np.isfinite(points).all(axis=1)

@@ -43,7 +43,7 @@ class OccluderScenes:
             evaluated = obj.evaluated_get(self._depsgraph)
             with evaluated_mesh(evaluated) as mesh:
                 if mesh is not None:
-                    heights.append(to_world(read_positions(mesh), np.array(evaluated.matrix_world))[:, 2])
+                    heights.append(to_world(read_positions(mesh), np.array(evaluated.matrix_world, np.float64))[:, 2])
         heights = np.concatenate(heights)
         heights = heights[np.isfinite(heights)]
         return float(heights.min()) if len(heights) else None

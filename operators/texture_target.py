@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.channels import bent_cone, fitted_bounces
+from ..core.exr import write_exr
 from ..core.margin import extend_margin
 from ..core.rasterise import bands, rasterise
 from ..core.surface import Surface
-from .images import store_image
+from .images import file_path, store_image
 from .mesh_reader import linear_inverse
 from .names import BENT_CONE, MULTIBOUNCE_AO
 from .progress import mapped
@@ -35,10 +36,12 @@ class TextureResult:
 
     def write(self) -> list[str]:
         """Store both images; returns their files or names. Raises OSError where a file cannot be written."""
-        return [
-            store_image(self.obj, MULTIBOUNCE_AO, self.multibounce_ao, self.folder),
-            store_image(self.obj, BENT_CONE, self.bent_cone, self.folder),
-        ]
+        channels = {MULTIBOUNCE_AO: self.multibounce_ao, BENT_CONE: self.bent_cone}
+        if self.folder:
+            # Both files before any image: where one cannot be written, the .blend stays as it was.
+            for channel, pixels in channels.items():
+                write_exr(file_path(self.obj, channel, self.folder), pixels)
+        return [store_image(self.obj, channel, pixels, self.folder) for channel, pixels in channels.items()]
 
 
 def bake_texture(

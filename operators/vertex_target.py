@@ -16,7 +16,7 @@ from ..core.surface import Surface
 from .mesh_reader import linear_inverse, read_surface
 from .names import BENT_CONE, MULTIBOUNCE_AO
 from .progress import mapped
-from .report import ObjectReport, statistics
+from .report import BakeError, ObjectReport, statistics
 
 
 @dataclass(frozen=True)
@@ -108,6 +108,14 @@ def _points_of(surface: Surface, smooth: bool) -> VertexPoints:
     normals = np.tile((0.0, 0.0, 1.0), (count, 1))  # what loose vertices, which no face gives a normal, keep
     normals[surface.corner_vertex] = surface.corner_normals
     return VertexPoints(surface.vertices, normals, np.arange(count), "POINT", surface.extent)
+
+
+def check_attribute_names(obj: bpy.types.Object) -> None:
+    """Raises BakeError where what is no colour has a name that the bake needs: it may be the artist's work."""
+    for name in (MULTIBOUNCE_AO, BENT_CONE):
+        attribute = obj.data.attributes.get(name)
+        if name in obj.vertex_groups or (attribute and attribute.data_type not in {"FLOAT_COLOR", "BYTE_COLOR"}):
+            raise BakeError(f"has a UV map, vertex group or attribute '{name}' that is no colour: rename it")
 
 
 def write_attribute(mesh: bpy.types.Mesh, name: str, domain: str, values: NDArray[np.float32]) -> None:

@@ -102,3 +102,5 @@ class MULTIBOUNCE_AO_PT_result(_SidebarPanel, bpy.types.Panel):
         for label, value in lines:
             labels.label(text=label)
             values.label(text=value)
+        for warning in record.get("warnings", ()):
+            self.layout.label(text=warning, icon="ERROR")

@@ -6,6 +6,7 @@ rms error over the points of a wavy surface against 64 turns of 4096 rays, as a 
 """
 
 import numpy as np
+
 from core.rays import Occluders
 from core.sampling import hemisphere_pattern
 from core.visibility import trace_visibility

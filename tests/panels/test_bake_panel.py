@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The sidebar: everything in it can be drawn, every setting can be reached, and what does not apply is greyed out."""
+
+import re
+
+import bpy
+import pytest
+
+from .layout import draw
+
+OPERATORS = {"multibounce_ao.bake", "multibounce_ao.clear", "multibounce_ao.add_nodes"}
+
+
+@pytest.fixture
+def panels(extension, empty_scene):
+    """The extension's panels by name, in the order of registration."""
+    found = [cls for cls in bpy.types.Panel.__subclasses__() if cls.__module__.startswith(extension.__name__)]
+    assert found
+    return {cls.__name__: cls for cls in found}
+
+
+@pytest.fixture
+def plate():
+    bpy.ops.mesh.primitive_plane_add()
+    return bpy.context.active_object
+
+
+def properties(drawn):
+    return {thing.name: thing.active for thing in drawn if thing.kind == "prop"}
+
+
+def everything(panels):
+    return [thing for panel in panels.values() for thing in draw(panel)]
+
+
+@pytest.mark.parametrize("active", ["nothing", "a mesh", "a lamp", "a baked mesh", "a mesh baked to textures"])
+def test_every_setting_and_operator_is_there_once(panels, active):
+    if "mesh" in active:
+        bpy.ops.mesh.primitive_plane_add()
+    if active == "a lamp":
+        bpy.ops.object.light_add()
+    if "baked" in active:
+        settings = bpy.context.scene.multibounce_ao
+        settings.resolution = 8
+        settings.target = "TEXTURE" if "textures" in active else "VERTEX"
+        bpy.ops.multibounce_ao.bake()
+    drawn = everything(panels)
+    names = [thing.name for thing in drawn if thing.kind == "prop"]
+    assert len(names) == len(set(names))
+    known = {p.identifier for p in bpy.context.scene.multibounce_ao.bl_rna.properties}
+    assert set(names) == known - {"rna_type", "name"}
+    assert {thing.name for thing in drawn if thing.kind == "operator"} == OPERATORS
+
+
+def test_the_button_comes_first(panels):
+    first = everything(panels)[0]
+    assert (first.kind, first.name) == ("operator", "multibounce_ao.bake")
+
+
+def test_what_does_not_apply_is_grey(panels):
+    settings = bpy.context.scene.multibounce_ao
+    of_textures = {"resolution", "margin", "uv_map", "output_directory"}
+    settings.target, settings.max_distance = "VERTEX", 0
+    shown = properties(everything(panels))
+    assert {name for name, active in shown.items() if not active} == of_textures | {"falloff"}
+    settings.target, settings.max_distance = "TEXTURE", 1
+    assert all(properties(everything(panels)).values())
+
+
+def test_last_result(panels, plate):
+    bpy.ops.multibounce_ao.clear()
+    before = everything(panels)
+    assert not [thing for thing in before if thing.kind == "label"]
+    bpy.context.scene.multibounce_ao.samples = 100
+    bpy.ops.multibounce_ao.bake()
+    labels = [thing.name for thing in everything(panels) if thing.kind == "label"]
+    assert {"4", "400"} < set(labels)  # points, rays
+    assert any(re.fullmatch(r"\d+\.\d+ s", label) for label in labels)
+    assert any(label.startswith("1.000") for label in labels)  # the mean
+
+
+def test_panels_stand_in_the_sidebar_of_the_viewport(panels):
+    top = [panel for panel in panels.values() if not getattr(panel, "bl_parent_id", "")]
+    assert len(top) == 1
+    for panel in panels.values():
+        assert (panel.bl_space_type, panel.bl_region_type, panel.bl_category) == ("VIEW_3D", "UI", "Multibounce AO")
+        assert getattr(panel, "bl_parent_id", top[0].__name__) == top[0].__name__
+        assert getattr(bpy.types, panel.__name__).is_registered

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Names and tooltips as Blender's own: a tooltip for everything, a sentence without its full stop, units."""
+
+import re
+
+import bpy
+import pytest
+
+OPERATORS = {"bake": "Bake Multibounce AO", "clear": "Clear Bake", "add_nodes": "Add Multibounce Nodes"}
+
+
+@pytest.fixture(autouse=True)
+def scene(empty_scene):
+    return empty_scene
+
+
+def settings():
+    return [p for p in bpy.context.scene.multibounce_ao.bl_rna.properties if p.identifier not in ("rna_type", "name")]
+
+
+def assert_tooltip(text):
+    assert len(text) > 10
+    assert re.match("[A-Z0-9]", text), text
+    assert not text.endswith("."), text
+    assert "  " not in text
+    assert "\n" not in text
+
+
+@pytest.mark.parametrize("name", OPERATORS)
+def test_operators(name):
+    rna = getattr(bpy.ops.multibounce_ao, name).get_rna_type()
+    assert rna.name == OPERATORS[name]
+    assert_tooltip(rna.description)
+    # Settings live on the scene, so that the panel, scripts and the command line share them.
+    assert {p.identifier for p in rna.properties} == {"rna_type"}
+
+
+def test_settings_and_their_choices():
+    for prop in settings():
+        assert prop.name
+        assert prop.name != prop.identifier
+        assert_tooltip(prop.description)
+        for item in prop.enum_items if prop.type == "ENUM" else ():
+            assert item.name
+            assert_tooltip(item.description)
+
+
+def test_settings_are_those_of_the_contract():
+    defaults = {
+        "target": "VERTEX", "samples": 256, "max_distance": 0.0, "falloff": "NONE", "occluders": "VISIBLE",
+        "use_ground_plane": False, "ignore_backfaces": False, "bounces": "FITTED", "use_material_nodes": True,
+        "seed": 0, "resolution": 1024, "margin": 16, "uv_map": "", "output_directory": "",
+    }  # fmt: skip
+    assert {p.identifier: p.default for p in settings()} == defaults
+    choices = {p.identifier: [item.identifier for item in p.enum_items] for p in settings() if p.type == "ENUM"}
+    assert choices == {
+        "target": ["VERTEX", "TEXTURE"],
+        "falloff": ["NONE", "LINEAR", "SMOOTH"],
+        "occluders": ["SELF", "SELECTED", "VISIBLE"],
+        "bounces": ["FITTED"],
+    }
+
+
+def test_quantities_have_units():
+    units = {p.identifier: (p.subtype, p.unit) for p in settings()}
+    assert units["max_distance"] == ("DISTANCE", "LENGTH")
+    assert units["resolution"][0] == "PIXEL"
+    assert units["margin"][0] == "PIXEL"
+    assert units["output_directory"][0] == "DIR_PATH"
+
+
+def test_operators_can_be_undone(extension):
+    for name in OPERATORS:
+        cls = next(
+            c for c in bpy.types.Operator.__subclasses__() if getattr(c, "bl_idname", "") == f"multibounce_ao.{name}"
+        )
+        assert {"REGISTER", "UNDO"} <= cls.bl_options
