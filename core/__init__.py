@@ -3,12 +3,12 @@
 
 Data flows one way through these files::
 
-    occluders.py   triangles of everything that blocks light  ->  an Embree scene
+    rays.py        triangles of everything that blocks light  ->  an Embree scene
     rasterise.py   UV triangles                               ->  texels and the surface points under them
     sampling.py    how many rays                              ->  one pattern of directions with weights, turned a point
     visibility.py  occluders + points + pattern               ->  F0, alpha and the mean visible direction of each point
     multibounce.py F0 and alpha                               ->  the light after many bounces
     channels.py    all of those                               ->  the eight numbers a bake leaves
 
-beside them ``surface.py`` (points on triangles), ``closest_point.py``, ``morton.py``, ``margin.py`` and ``exr.py``.
+beside them ``surface.py`` (points on triangles), ``morton.py``, ``margin.py`` and ``exr.py``.
 """

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Everything that blocks light, as one Embree scene that rays are traced against.
 
-Embree works in float32. The scene is therefore centred and scaled to the cube [-1, 1] in float64 first, which keeps the
-same precision a metre or a thousand kilometres from the world's origin.
+Embree works in float32, which resolves a ten-millionth of a coordinate. The scene is therefore moved in float64 so that
+what is baked lies about the origin, where that is finest, wherever it is in the world and whatever stands far away.
 """
 
 from __future__ import annotations
@@ -46,7 +46,9 @@ class Obscurance:
     def rho(self, distance: NDArray) -> NDArray[np.float64]:
         """rho of the nearest hit's ``distance`` in world units (``inf``: none)."""
         t = np.minimum(distance / self.max_distance, 1.0)
-        return t if self.falloff == "LINEAR" else t * t * (3.0 - 2.0 * t)
+        rho = t if self.falloff == "LINEAR" else t * t * (3.0 - 2.0 * t)
+        # In steps of 2^-12, so that sums with the pattern's weights stay exact.
+        return np.rint(rho * 2.0**12) / 2.0**12
 
 
 class Occluders:
@@ -55,11 +57,14 @@ class Occluders:
     vertices      (n, 3) float, world units
     triangles     (m, 3) int, counter-clockwise seen from the front
     ground_height world z of an infinite floor, or None
+    centre        (3,) float, where precision is wanted most; default the median vertex, which a few far ones do not move
 
     Raises ValueError where a vertex is not finite. Safe to use from many threads: Embree only reads.
     """
 
-    def __init__(self, vertices: NDArray, triangles: NDArray, ground_height: float | None = None):
+    def __init__(
+        self, vertices: NDArray, triangles: NDArray, ground_height: float | None = None, centre: NDArray | None = None
+    ):
         from embreex.mesh_construction import TriangleMesh
         from embreex.rtcore_scene import EmbreeScene
 
@@ -69,10 +74,9 @@ class Occluders:
             raise ValueError("occluder vertices must be finite")
         is_used = np.zeros(len(vertices), bool)
         is_used[triangles] = True
-        used = vertices[is_used] if len(triangles) else np.zeros((1, 3))
-        low, high = used.min(axis=0), used.max(axis=0)
-        self.centre = 0.5 * (low + high)
-        self.scale = 2.0 / max(float((high - low).max()), np.finfo(np.float32).tiny)
+        used = vertices[is_used] if len(triangles) else np.array([(-1.0, -1.0, -1.0), (1.0, 1.0, 1.0)])
+        self.centre = np.median(used, axis=0) if centre is None else np.asarray(centre, np.float64)
+        self.scale = 2.0 / max(float(np.ptp(used, axis=0).max()), np.finfo(np.float32).tiny)
         self.ground_height = ground_height
         self.triangle_count = len(triangles)
         # robust: watertight at shared edges of separate faces, where the faster mode leaks (Sponza: 1.25 % of
@@ -144,7 +148,7 @@ class Occluders:
             distance[alive[front]] = travelled[alive[front]]
             alive = alive[~front]
             # A step past the face, as small as float32 resolves at this distance.
-            travelled[alive] += OFFSET_PER_COORDINATE * (1.0 + travelled[alive])
+            travelled[alive] += OFFSET_PER_COORDINATE * (np.abs(origins[alive]).max(axis=1) + travelled[alive])
             start = (origins[alive] + travelled[alive, None] * directions[alive]).astype(np.float32)
         return distance
 

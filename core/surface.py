@@ -20,16 +20,18 @@ class Surface:
     vertices        (n, 3) float64
     corner_vertex   (c,) int32, vertex of each corner
     corner_normals  (c, 3) float64, unit length: the shading normals, split at sharp edges
-    corner_inset    (c, 3) float64, vector from each corner's vertex to its face's centre
     triangles       (m, 3) int32, corners of each triangle, counter-clockwise seen from the front
+    face_start      (f,) int32, first corner of each face; its others follow, along its outline
+    face_size       (f,) int32, number of its corners
     corner_uv       (c, 2) float64 or None
     """
 
     vertices: NDArray[np.float64]
     corner_vertex: NDArray[np.int32]
     corner_normals: NDArray[np.float64]
-    corner_inset: NDArray[np.float64]
     triangles: NDArray[np.int32]
+    face_start: NDArray[np.int32]
+    face_size: NDArray[np.int32]
     corner_uv: NDArray[np.float64] | None = None
 
     @property
@@ -39,8 +41,8 @@ class Surface:
 
     @property
     def extent(self) -> float:
-        """Longest side of the bounding box, world units."""
-        return float(np.ptp(self.vertices, axis=0).max())
+        """Longest side of the faces' bounding box, world units. Loose vertices do not count."""
+        return float(np.ptp(self.vertices[self.corner_vertex], axis=0).max())
 
     def positions_at(self, triangle: NDArray[np.integer], barycentric: NDArray) -> NDArray[np.float64]:
         """Points (k, 3) at ``barycentric`` (k, 3) of triangles (k,)."""
@@ -57,6 +59,21 @@ class Surface:
             normals[flat] = np.cross(b - a, c - a)
         return unit(normals)
 
+    def barycentric_at(self, triangle: NDArray[np.integer], points: NDArray) -> NDArray[np.float64]:
+        """Barycentric coordinates (k, 3) of world ``points`` (k, 3) that lie on triangles (k,); those without area give
+        all to their first corner."""
+        a, b, c = np.moveaxis(self.vertices[self.corner_vertex[self.triangles[triangle]]], 1, 0)
+        normal = np.cross(b - a, c - a)
+        area = np.einsum("kx,kx->k", normal, normal)
+        weights = np.column_stack(
+            [np.einsum("kx,kx->k", np.cross(q - p, points - p), normal) for p, q in ((b, c), (c, a), (a, b))]
+        )
+        weights = np.divide(
+            weights, area[:, None], out=np.tile((1.0, 0.0, 0.0), (len(a), 1)), where=area[:, None] > 0.0
+        )
+        weights = np.clip(weights, 0.0, 1.0)
+        return weights / weights.sum(axis=1, keepdims=True)
+
     def split_vertices(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.intp]]:
         """One point for each different normal at a vertex: what the corners of flat and sharp faces need.
 
@@ -70,7 +87,8 @@ class Surface:
         _, first, split = np.unique(key, return_index=True, return_inverse=True)
         split = split.reshape(-1)
         count = np.bincount(split)
-        inset = np.column_stack([np.bincount(split, weights=axis) for axis in self.corner_inset.T]) / count[:, None]
+        inwards = into_faces(self.vertices[self.corner_vertex], self.face_start, self.face_size)
+        inset = np.column_stack([np.bincount(split, weights=axis) for axis in inwards.T]) / count[:, None]
         return self.vertices[self.corner_vertex[first]] + INSET * inset, self.corner_normals[first], split
 
 
@@ -79,6 +97,33 @@ def unit(vectors: NDArray) -> NDArray[np.float64]:
     vectors = np.asarray(vectors, np.float64)
     length = np.linalg.norm(vectors, axis=1, keepdims=True)
     return np.where(length > 1e-30, vectors / np.maximum(length, 1e-30), (0.0, 0.0, 1.0))
+
+
+def into_faces(
+    corners: NDArray[np.float64], face_start: NDArray[np.int32], face_size: NDArray[np.int32]
+) -> NDArray[np.float64]:
+    """Vectors (c, 3) from ``corners`` (c, 3) into their faces, along the bisector, as long as half the shorter edge.
+
+    With u the way to the next corner, w the way to the one before and n the face's normal, n x (u - w) points inwards
+    also where the outline turns back, and where it is straight.
+    """
+    index = np.arange(len(corners))
+    following, before = index + 1, index - 1
+    following[face_start + face_size - 1] = face_start
+    before[face_start] = face_start + face_size - 1
+    ahead, back = corners[following] - corners, corners[before] - corners
+    # Newell's normal, from the face's first corner so that it keeps its digits far from the origin.
+    from_first = corners - np.repeat(corners[face_start], face_size, axis=0)
+    normal = np.add.reduceat(np.cross(from_first, ahead), face_start, axis=0)
+    inwards = np.cross(np.repeat(normal, face_size, axis=0), _direction(ahead) - _direction(back))
+    shorter = np.minimum(np.linalg.norm(ahead, axis=1), np.linalg.norm(back, axis=1))
+    return 0.5 * shorter[:, None] * _direction(inwards)
+
+
+def _direction(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """``vectors`` (n, 3) at length 1, those of no length as they are."""
+    length = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0.0)
 
 
 def inset_barycentric(barycentric: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import bpy
 
-from .bake_job import baked_source
-from .material_nodes import plug
+from .bake_record import baked_source
+from .object_materials import plug_slot
 
 
 class MULTIBOUNCE_AO_OT_add_nodes(bpy.types.Operator):
@@ -29,12 +29,11 @@ class MULTIBOUNCE_AO_OT_add_nodes(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj = context.active_object
-        material = obj.active_material
         source = baked_source(obj)
-        if not plug(material, context.scene.multibounce_ao.bounces, source):
-            self.report(
-                {"ERROR"}, f"Material '{material.name}' has no Principled BSDF: add one, or plug the group in by hand"
-            )
+        slot = obj.material_slots[obj.active_material_index]
+        problem = plug_slot(slot, obj, context.scene.multibounce_ao.bounces, source)
+        if problem:
+            self.report({"ERROR"}, problem)
             return {"CANCELLED"}
         if source is None:
             self.report({"INFO"}, f"'{obj.name}' has no bake yet: connect an AO map to the group's AO input, or bake")

@@ -35,7 +35,8 @@ class MULTIBOUNCE_AO_OT_bake(bpy.types.Operator):
         return True
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        work = bake(context, selected_meshes(context), BakeSettings.of(context.scene))
+        settings = BakeSettings.of(context.scene)
+        work = bake(context, selected_meshes(context), settings, selected=context.selected_objects)
         show = StderrProgress() if bpy.app.background else lambda step: _show_in_cursor(context, step)
         context.window_manager.progress_begin(0, 100)
         try:

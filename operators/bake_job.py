@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A bake from start to end, as a generator: the operator, the command line and the tests drive the same one.
 
-scene -> occluders and sample points -> rays -> channels -> attributes or images -> material nodes. Everything is
-computed before anything is written, so closing the generator at any yield leaves the scene as it was.
+scene -> occluders and sample points -> rays -> channels -> attributes or images -> material nodes. Unless asked
+otherwise everything is computed before anything is written, so closing the generator at any yield leaves the scene as
+it was.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Generator
+from collections.abc import Collection, Generator
 from functools import partial
 
 import bpy
@@ -17,19 +18,17 @@ import numpy as np
 from ..core.rays import Obscurance
 from ..core.sampling import hemisphere_pattern
 from ..core.visibility import trace_visibility
-from .images import check_image_names, find_image, output_folder
-from .material_nodes import GROUPS, BakedSource
+from .bake_record import record_bake
+from .images import check_image_names, output_folder
 from .mesh_reader import evaluated_mesh, read_surface
-from .names import PROPERTY
+from .names import BENT_CONE, MULTIBOUNCE_AO
 from .object_checks import check_evaluated, check_object
-from .object_materials import plug_object
 from .occluder_scenes import OccluderScenes
 from .progress import Progress, mapped
 from .report import BakeError, ObjectReport
 from .settings import BakeSettings
 from .texture_target import TextureResult, bake_texture
 from .uv_layout import uv_map_name
-from .version import extension_version
 from .vertex_target import VertexResult, bake_vertices, check_attribute_names, vertex_points
 
 
@@ -38,16 +37,24 @@ def bake(
     objects: list[bpy.types.Object],
     settings: BakeSettings,
     threads: int | None = None,
+    *,
+    selected: Collection[bpy.types.Object] = (),
+    store_each: bool = False,
 ) -> Generator[Progress, None, list[ObjectReport]]:
     """Bake ``objects`` (meshes of the context's view layer) and return a report for each, in their order.
 
-    An object that cannot be baked has its ``error`` set, and the others are done. ``threads``: default one a core; it
-    changes no bit of the result. Raises BakeError where the settings allow no bake at all.
+    An object that cannot be baked has its ``error`` set, and the others are done. Raises BakeError where the settings
+    allow no bake at all.
+
+    threads     default one a core; it changes no bit of the result
+    selected    what else blocks light with the occluders 'SELECTED'
+    store_each  write each object when it is done, not all at the end: memory is that of one object's result, and
+                closing the generator keeps those
     """
     folder = output_folder(settings.output_directory) if settings.target == "TEXTURE" else ""
     reports = [ObjectReport(obj.name, settings.target, samples=settings.samples) for obj in objects]
-    done: list[tuple[bpy.types.Object, ObjectReport, VertexResult | TextureResult]] = []
-    scenes = OccluderScenes(context, objects, settings)
+    done: list[tuple[bpy.types.Object, ObjectReport, VertexResult | TextureResult | None]] = []
+    scenes = OccluderScenes(context, objects, selected, settings)
     trace = partial(
         trace_visibility,
         pattern=hemisphere_pattern(settings.samples),
@@ -55,30 +62,39 @@ def bake(
         seed=settings.seed,
         threads=threads,
     )
-    mesh_baked_by: dict[bpy.types.Mesh, str] = {}
+    baked_meshes: dict[bpy.types.Mesh, ObjectReport] = {}
     for index, (obj, report) in enumerate(zip(objects, reports, strict=True)):
         started = time.perf_counter()
         yield Progress(index / len(objects), obj.name)
-        if settings.target == "VERTEX" and obj.data in mesh_baked_by:
-            report.warnings.append(
-                f"Shares its mesh with '{mesh_baked_by[obj.data]}', whose bake it shows: "
-                "for its own, make it single-user (Object > Relations > Make Single User)"
-            )
-            continue
-        work = _bake_object(context, obj, settings, folder, scenes, trace, report)
-        try:
-            result = yield from mapped(work, partial(_progress, index, len(objects), obj.name))
-        except BakeError as error:
-            report.error = f"Object '{obj.name}' {error}"
-            continue
-        done.append((obj, report, result))
-        mesh_baked_by[obj.data] = obj.name
-        report.rays = report.points * settings.samples
+        result = None
+        if settings.target == "VERTEX" and obj.data in baked_meshes:
+            _share(baked_meshes[obj.data], report)
+        else:
+            work = _bake_object(context, obj, settings, folder, scenes, trace, report)
+            try:
+                result = yield from mapped(work, partial(_progress, index, len(objects), obj.name))
+            except BakeError as error:
+                report.error = f"Object '{obj.name}' {error}"
+                continue
+            baked_meshes[obj.data] = report
+            report.rays = report.points * settings.samples
         report.seconds = round(time.perf_counter() - started, 3)
+        done.append((obj, report, result))
+        if store_each:
+            _store(*done.pop(), settings)
 
     for obj, report, result in done:
         _store(obj, report, result, settings)
     return reports
+
+
+def _share(baked: ObjectReport, report: ObjectReport) -> None:
+    """Fill the ``report`` of an object that shows the bake of another, because they share a mesh."""
+    report.points, report.f0, report.outputs = baked.points, baked.f0, [MULTIBOUNCE_AO, BENT_CONE]
+    report.warnings.append(
+        f"Shares its mesh with '{baked.name}', whose bake it shows: "
+        "for its own, make it single-user (Object > Relations > Make Single User)"
+    )
 
 
 def _progress(index: int, count: int, name: str, part: float) -> Progress:
@@ -104,7 +120,7 @@ def _bake_object(
         check_evaluated(mesh, matrix)
         if settings.target == "VERTEX":
             check_attribute_names(obj)
-            work = bake_vertices(obj.data, vertex_points(obj.data, mesh, matrix), matrix, trace, report)
+            work = bake_vertices(obj.data, vertex_points(obj, mesh, matrix), matrix, trace, report)
         else:
             check_image_names(obj)
             uv_map = uv_map_name(mesh, settings.uv_map)
@@ -117,40 +133,17 @@ def _bake_object(
 def _store(
     obj: bpy.types.Object,
     report: ObjectReport,
-    result: VertexResult | TextureResult,
+    result: VertexResult | TextureResult | None,
     settings: BakeSettings,
 ) -> None:
-    """Write the result, plug the nodes in, and leave the record of the bake on ``obj``."""
+    """Write the result, plug the nodes in, and leave the record of the bake on ``obj``; None: its mesh has it."""
     try:
-        report.outputs = result.write()
+        if result is not None:
+            report.outputs = result.write()
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         report.error = (
             f"Object '{obj.name}' cannot be stored in '{result.folder}' ({reason}): choose another output folder"
         )
         return
-    record = settings.as_property() | {
-        "version": extension_version(),
-        "points": report.points,
-        "rays": float(report.rays),  # ID properties have 32-bit integers
-        "seconds": report.seconds,
-        "f0": report.f0,
-    }
-    if isinstance(result, TextureResult):
-        record["uv_map"] = result.uv_map
-    obj[PROPERTY] = record
-    if settings.use_material_nodes:
-        report.warnings += plug_object(obj, settings.bounces, baked_source(obj))
-    obj[PROPERTY]["warnings"] = report.warnings
-
-
-def baked_source(obj: bpy.types.Object) -> BakedSource | None:
-    """Where the materials of ``obj`` find its bake, or None where it has none."""
-    record = obj.get(PROPERTY)
-    if record is None:
-        return None
-    if record["target"] == "VERTEX":
-        return BakedSource()
-    channels = {channel for channel, _ in GROUPS[record["bounces"]][1].values()}
-    images = {channel: find_image(obj, channel) for channel in channels}
-    return BakedSource(images, record["uv_map"]) if all(images.values()) else None
+    record_bake(obj, settings, report, result.uv_map if isinstance(result, TextureResult) else None)

@@ -5,20 +5,25 @@ from __future__ import annotations
 
 import bpy
 
-from .images import remove_images
+from .images import images_of_only
 from .names import PROPERTY
-from .object_materials import unplug_object
+from .object_materials import mesh_is_baked, unplug_images, unplug_objects
 from .vertex_target import remove_attributes
 
 
 def clear_bake(objects: list[bpy.types.Object]) -> None:
     """Remove what bakes left on the mesh ``objects`` and put their materials back. Files on disk stay."""
+    cleared = set(objects)
+    images = images_of_only(cleared)
+    unplug_objects(objects)
     for obj in objects:
-        unplug_object(obj, cleared=objects)
-        remove_attributes(obj.data)
-        remove_images(obj)
-        if PROPERTY in obj:
-            del obj[PROPERTY]
+        if PROPERTY in obj and not mesh_is_baked(obj.data, cleared):
+            remove_attributes(obj.data)
+    unplug_images(images)
+    for image in images:
+        bpy.data.images.remove(image)
+    for obj in objects:
+        obj.pop(PROPERTY, None)
 
 
 class MULTIBOUNCE_AO_OT_clear(bpy.types.Operator):

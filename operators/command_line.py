@@ -88,19 +88,19 @@ def _bake(options: argparse.Namespace) -> int:
     show = (lambda progress: None) if options.quiet else StderrProgress()
     settings = BakeSettings.of(scene)
     try:
-        reports = drive(bake(bpy.context, objects, settings), show)
+        reports = drive(bake(bpy.context, objects, settings, store_each=True), show)
     except BakeError as error:
         reports = [ObjectReport(obj.name, settings.target, error=str(error)) for obj in objects]
     reports += [ObjectReport(name, settings.target, error=_no_object(name)) for name in missing]
 
     baked = any(report.error is None for report in reports)
-    if options.save is not None and baked:
-        _save(options.save)
+    saved = _save(options.save) if options.save is not None and baked else True
     if options.report is not None:
         _write_report(
             options.report, bake_report(extension_version(), str(options.scene), time.perf_counter() - started, reports)
         )
-    return _tell(reports, options, baked)
+    _tell(reports, options, baked)
+    return DONE if saved and not any(report.error for report in reports) else NOT_ALL_BAKED
 
 
 def _open(path: Path) -> None:
@@ -117,9 +117,11 @@ def _objects(names: list[str] | None) -> tuple[list[bpy.types.Object], list[str]
     view_layer = bpy.context.view_layer
     if names is None:
         rendered = rendered_objects(view_layer)
-        objects = [obj for obj in view_layer.objects if obj.type == "MESH" and obj in rendered]
+        objects = [obj for obj in view_layer.objects if obj.type == "MESH" and obj.data.polygons and obj in rendered]
         if not objects:
-            raise UsageError(f"scene '{bpy.context.scene.name}' has no mesh that is visible and enabled in renders")
+            raise UsageError(
+                f"scene '{bpy.context.scene.name}' has no mesh with faces that is visible and enabled in renders"
+            )
         return objects, []
     names = list(dict.fromkeys(names))
     found = [view_layer.objects[name] for name in names if name in view_layer.objects]
@@ -131,14 +133,17 @@ def _no_object(name: str) -> str:
     return f"There is no object '{name}' in the view layer: choose among {meshes or 'none, it has no mesh'}"
 
 
-def _save(name: str) -> None:
+def _save(name: str) -> bool:
+    """Save the .blend as ``name``, or under its own if that is empty; prints why where it cannot be."""
     try:
         if name:
             bpy.ops.wm.save_as_mainfile(filepath=str(Path(name).resolve()), relative_remap=True)
         else:
             bpy.ops.wm.save_mainfile()
     except RuntimeError as error:
-        raise UsageError(f"'{name or bpy.data.filepath}' cannot be saved: {str(error).strip()}") from None
+        print(f"Error: '{name or bpy.data.filepath}' cannot be saved: {str(error).strip()}", file=sys.stderr)
+        return False
+    return True
 
 
 def _write_report(path: Path, report: dict) -> None:
@@ -149,8 +154,8 @@ def _write_report(path: Path, report: dict) -> None:
         raise UsageError(f"the report '{path}' cannot be written: {error.strerror}") from None
 
 
-def _tell(reports: list[ObjectReport], options: argparse.Namespace, baked: bool) -> int:
-    """Print a line an object on stderr; returns the exit code."""
+def _tell(reports: list[ObjectReport], options: argparse.Namespace, baked: bool) -> None:
+    """Print a line an object on stderr."""
     for report in reports:
         if report.error:
             print(f"Error: {report.error}", file=sys.stderr)
@@ -165,7 +170,6 @@ def _tell(reports: list[ObjectReport], options: argparse.Namespace, baked: bool)
                 )
     if baked and options.save is None and not options.quiet:
         print("The .blend was not saved: add --save to keep the bake in it", file=sys.stderr)
-    return NOT_ALL_BAKED if any(report.error for report in reports) else DONE
 
 
 _handles: list[object] = []

@@ -6,6 +6,7 @@ from __future__ import annotations
 import os
 import tempfile
 import zlib
+from collections.abc import Collection
 from pathlib import Path
 
 import bpy
@@ -50,11 +51,16 @@ def image_name(obj: bpy.types.Object, channel: str) -> str:
 
 def file_path(obj: bpy.types.Object, channel: str, folder: str) -> Path:
     """File of ``channel`` inside ``folder``, whatever characters the object's name has, and no other object's."""
-    stem = bpy.path.clean_name(obj.name)
-    # Names that differ only in what a file name cannot show.
-    if any(bpy.path.clean_name(other.name).lower() == stem.lower() for other in bpy.data.objects if other != obj):
-        stem += f"_{zlib.crc32(obj.name.encode()):08x}"
-    return Path(folder) / (stem + FILE_SUFFIX[channel])
+    others = [other for other in bpy.data.objects if other.type == "MESH" and other != obj]
+    # Names that differ only in what a file name cannot show, and files named after an object that was renamed since.
+    stems = {bpy.path.clean_name(other.name).lower() for other in others}
+    shown = {_file_of(image) for other in others for image in recorded_images(other).values()}
+    stem = clean_name = bpy.path.clean_name(obj.name)
+    digest = zlib.crc32(obj.name.encode())
+    while stem.lower() in stems or _comparable(path := Path(folder) / (stem + FILE_SUFFIX[channel])) in shown:
+        stem = f"{clean_name}_{digest:08x}"
+        digest = zlib.crc32(stem.encode())
+    return path
 
 
 def check_image_names(obj: bpy.types.Object) -> None:
@@ -65,46 +71,70 @@ def check_image_names(obj: bpy.types.Object) -> None:
             raise BakeError(f"would replace the image '{image.name}', which is no bake: rename or remove that image")
 
 
-def find_image(obj: bpy.types.Object, channel: str) -> bpy.types.Image | None:
-    """The image that a bake of ``obj`` left, if any."""
-    image = bpy.data.images.get((image_name(obj, channel), None))
-    return image if image is not None and PROPERTY in image else None
+def recorded_images(obj: bpy.types.Object) -> dict[str, bpy.types.Image]:
+    """By channel, the images that bakes of ``obj`` left: its record points to them, whatever names they have by now."""
+    images = obj.get(PROPERTY, {}).get("images", {})
+    return {channel: image for channel, image in images.items() if image is not None}
+
+
+def images_of_only(objects: Collection[bpy.types.Object]) -> set[bpy.types.Image]:
+    """The recorded images of ``objects`` that no other object has; a duplicate has those of its original."""
+    images = {image for obj in objects for image in recorded_images(obj).values()}
+    return images - {
+        image for other in bpy.data.objects if other not in objects for image in recorded_images(other).values()
+    }
 
 
 def store_image(obj: bpy.types.Object, channel: str, pixels: NDArray[np.float32], folder: str) -> str:
     """Keep ``pixels`` (h, w, 4), bottom row first, as the image of ``channel``; returns its name if it is packed.
 
-    With a ``folder`` its file is there already: the image shows that file, whose path is returned. An older image of
-    that name hands its users over.
+    With a ``folder`` its file is there already: the image shows that file, whose path is returned. The image of an
+    earlier bake hands its users over, unless a duplicate of ``obj`` has it too. The record of ``obj`` points to the
+    new one.
     """
-    name = image_name(obj, channel)
     if folder:
         path = file_path(obj, channel, folder)
         image = bpy.data.images.load(_as_blender_shows_it(path), check_existing=False)
     else:
         height, width = pixels.shape[:2]
-        image = bpy.data.images.new(name, width, height, alpha=True, float_buffer=True)
+        image = bpy.data.images.new(channel, width, height, alpha=True, float_buffer=True)
     image.colorspace_settings.name = "Non-Color"
     image.alpha_mode = "CHANNEL_PACKED"
     image[PROPERTY] = True
-    image.use_fake_user = True  # Blender saves no image that nothing uses, not even a packed one
     if not folder:
         image.pixels.foreach_set(np.ascontiguousarray(pixels, np.float32).ravel())
         image.pack()
-    previous = bpy.data.images.get((name, None))
-    if previous is not None and previous != image:
+    previous = recorded_images(obj).get(channel)
+    if previous in images_of_only({obj}):
         previous.user_remap(image)
         bpy.data.images.remove(previous)
+    if PROPERTY not in obj:
+        obj[PROPERTY] = {}
+    # Blender also saves the image for this, where no material has it.
+    obj[PROPERTY]["images"] = recorded_images(obj) | {channel: image}
+    _name_after(image, obj, channel)
+    return str(path) if folder else image.name
+
+
+def _name_after(image: bpy.types.Image, obj: bpy.types.Object, channel: str) -> None:
+    """Name ``image``; another bake that has this name from the time before an object was renamed, gives it up."""
+    name = image_name(obj, channel)
+    taken = bpy.data.images.get((name, None))
+    if taken not in (None, image) and PROPERTY in taken:
+        owner = next((other for other in bpy.data.objects if recorded_images(other).get(channel) == taken), None)
+        if owner is None:
+            taken.name = channel
+        else:
+            _name_after(taken, owner, channel)
     image.name = name
-    return str(path) if folder else name
 
 
-def remove_images(obj: bpy.types.Object) -> None:
-    """Take back the images of ``obj``; files on disk stay."""
-    for channel in (MULTIBOUNCE_AO, BENT_CONE):
-        image = find_image(obj, channel)
-        if image is not None:
-            bpy.data.images.remove(image)
+def _file_of(image: bpy.types.Image) -> str:
+    return _comparable(bpy.path.abspath(image.filepath))
+
+
+def _comparable(path: Path | str) -> str:
+    return os.path.abspath(path).lower()
 
 
 def _as_blender_shows_it(path: Path) -> str:

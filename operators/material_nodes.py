@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import bpy
@@ -25,37 +26,29 @@ class BakedSource:
     uv_map: str = ""
 
 
-def plug(material: bpy.types.Material, bounces: str, source: BakedSource | None) -> bool:
+def can_plug(material: bpy.types.Material) -> bool:
+    """Whether ``material`` has a Principled BSDF, or gets one because its nodes were never on."""
+    return material.node_tree is None or bool(_shaders(material.node_tree))
+
+
+def plug(material: bpy.types.Material, bounces: str, source: BakedSource | None) -> None:
     """Put the group for ``bounces`` before every Principled BSDF of ``material``, fed from ``source`` if there is one.
 
-    Groups that are there already keep their place and get the new source. Returns whether there was a BSDF to plug
-    into.
+    Groups that are there already keep their place; they get the new source, and without one keep theirs.
     """
     _turn_nodes_on(material)
     tree = material.node_tree
-    _remove_sources(tree)
     module, inputs = GROUPS[bounces]
     group_tree = module.ensure()
-    plugged = []
-    for bsdf in [node for node in tree.nodes if node.bl_idname == "ShaderNodeBsdfPrincipled"]:
-        socket = bsdf.inputs["Base Color"]
-        link = socket.links[0] if socket.is_linked else None
-        if link and _is_ours(link.from_node):
-            group = link.from_node
-            group.node_tree = group_tree
-        else:
-            group = _new_node(tree, "ShaderNodeGroup", bsdf.location.x - 260, bsdf.location.y)
-            group.node_tree = group_tree
-            group.width = 200
-            group.inputs["Base Color"].default_value = socket.default_value
-            if link:
-                muted = link.is_muted
-                tree.links.new(link.from_socket, group.inputs["Base Color"]).is_muted = muted
-            tree.links.new(group.outputs["Color"], socket)
-        plugged.append(group)
-    if plugged and source is not None:
-        _feed(tree, plugged, inputs, source)
-    return bool(plugged)
+    groups = []
+    for bsdf in _shaders(tree):
+        group = _group_upstream(bsdf.inputs["Base Color"]) or _insert_group(tree, bsdf, group_tree)
+        group.node_tree = group_tree
+        if group not in groups:
+            groups.append(group)
+    if source is not None:
+        _remove_sources(tree)
+        _feed(tree, groups, inputs, source)
 
 
 def unplug(material: bpy.types.Material) -> None:
@@ -63,7 +56,7 @@ def unplug(material: bpy.types.Material) -> None:
     tree = material.node_tree
     if tree is None:
         return
-    for group in [node for node in tree.nodes if _is_ours(node) and node.bl_idname == "ShaderNodeGroup"]:
+    for group in [node for node in tree.nodes if _is_our_group(node)]:
         base_color = group.inputs.get("Base Color")
         color = group.outputs.get("Color")
         for link in list(color.links) if color else []:
@@ -73,14 +66,61 @@ def unplug(material: bpy.types.Material) -> None:
                 muted = source.is_muted
                 tree.links.new(source.from_socket, target).is_muted = muted
             else:
-                tree.links.remove(link)
-                if hasattr(target, "default_value"):
-                    target.default_value = base_color.default_value
+                _replace_by_colour(tree, link, base_color.default_value)
     for node in [node for node in tree.nodes if _is_ours(node)]:
         tree.nodes.remove(node)
     if _NODES_WERE_OFF in material:
         material.use_nodes = False
         del material[_NODES_WERE_OFF]
+
+
+def shows(material: bpy.types.Material, images: Collection[bpy.types.Image]) -> bool:
+    """Whether our nodes in ``material`` read one of ``images``."""
+    tree = material.node_tree
+    return tree is not None and any(_is_ours(node) and getattr(node, "image", None) in images for node in tree.nodes)
+
+
+def _shaders(tree: bpy.types.NodeTree) -> list[bpy.types.Node]:
+    return [node for node in tree.nodes if node.bl_idname == "ShaderNodeBsdfPrincipled"]
+
+
+def _group_upstream(socket: bpy.types.NodeSocket) -> bpy.types.Node | None:
+    """Our group among all that feeds ``socket``: the artist may have put nodes between."""
+    sockets, seen = [socket], set()
+    while sockets:
+        for link in sockets.pop().links:
+            node = link.from_node
+            if _is_our_group(node):
+                return node
+            if node not in seen:
+                seen.add(node)
+                sockets += node.inputs
+    return None
+
+
+def _insert_group(tree: bpy.types.NodeTree, bsdf: bpy.types.Node, group_tree: bpy.types.NodeTree) -> bpy.types.Node:
+    socket = bsdf.inputs["Base Color"]
+    group = _new_node(tree, "ShaderNodeGroup", bsdf.location.x - 260, bsdf.location.y)
+    group.node_tree = group_tree
+    group.width = 200
+    group.inputs["Base Color"].default_value = socket.default_value
+    if socket.is_linked:
+        link = socket.links[0]
+        muted = link.is_muted
+        tree.links.new(link.from_socket, group.inputs["Base Color"]).is_muted = muted
+    tree.links.new(group.outputs["Color"], socket)
+    return group
+
+
+def _replace_by_colour(tree: bpy.types.NodeTree, link: bpy.types.NodeLink, colour: Sequence[float]) -> None:
+    """Remove ``link``; its end gets ``colour``. A reroute has none to pass on, so there it goes to what is behind."""
+    target = link.to_socket
+    if link.to_node.bl_idname == "NodeReroute":
+        for behind in list(link.to_node.outputs[0].links):
+            _replace_by_colour(tree, behind, colour)
+    elif target.type == "RGBA":
+        target.default_value = colour
+    tree.links.remove(link)
 
 
 def _feed(tree: bpy.types.NodeTree, groups: list, inputs: dict[str, tuple[str, str]], source: BakedSource) -> None:
@@ -123,8 +163,12 @@ def _is_ours(node: bpy.types.Node) -> bool:
     return PROPERTY in node
 
 
+def _is_our_group(node: bpy.types.Node) -> bool:
+    return _is_ours(node) and node.bl_idname == "ShaderNodeGroup"
+
+
 def _remove_sources(tree: bpy.types.NodeTree) -> None:
-    for node in [node for node in tree.nodes if _is_ours(node) and node.bl_idname != "ShaderNodeGroup"]:
+    for node in [node for node in tree.nodes if _is_ours(node) and not _is_our_group(node)]:
         tree.nodes.remove(node)
 
 
@@ -135,6 +179,5 @@ def _turn_nodes_on(material: bpy.types.Material) -> None:
         return
     material.use_nodes = True
     material[_NODES_WERE_OFF] = True
-    for node in material.node_tree.nodes:
-        if node.bl_idname == "ShaderNodeBsdfPrincipled":
-            node.inputs["Base Color"].default_value = material.diffuse_color
+    for bsdf in _shaders(material.node_tree):
+        bsdf.inputs["Base Color"].default_value = material.diffuse_color

@@ -41,6 +41,11 @@ def read_positions(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
     return read(mesh.vertices, "co", 3, np.float32)
 
 
+def read_corner_vertices(mesh: bpy.types.Mesh) -> NDArray[np.int32]:
+    """The vertex (c,) of each face corner."""
+    return read(mesh.loops, "vertex_index", 1, np.int32)
+
+
 def to_world(points: NDArray, matrix: NDArray) -> NDArray[np.float64]:
     """``points`` (n, 3) through a 4x4 ``matrix``, in float64: precision survives far from the origin.
 
@@ -56,10 +61,12 @@ def linear_inverse(matrix: NDArray) -> NDArray[np.float64]:
 
     Raises BakeError for a scale of zero.
     """
-    try:
-        return np.linalg.inv(matrix[:3, :3])
-    except np.linalg.LinAlgError:
-        raise BakeError("has a scale of zero: set its scale, or apply it") from None
+    linear = matrix[:3, :3]
+    # The volume of the transformed unit cube, against that of the box with the same edges: 0 where one vanishes or
+    # lies in the plane of the others, whatever the unit.
+    if not abs(np.linalg.det(linear)) > 1e-6 * np.prod(np.linalg.norm(linear, axis=0)):
+        raise BakeError("has a scale of zero: set its scale, or apply it")
+    return np.linalg.inv(linear)
 
 
 def front_facing(triangles: NDArray[np.int32], matrix: NDArray) -> NDArray[np.int32]:
@@ -68,19 +75,14 @@ def front_facing(triangles: NDArray[np.int32], matrix: NDArray) -> NDArray[np.in
 
 
 def read_surface(mesh: bpy.types.Mesh, matrix: NDArray, uv_map: str | None = None) -> Surface:
-    """``mesh`` in world space; ``uv_map`` must exist. Raises ValueError for a ``matrix`` with zero scale."""
-    vertices = to_world(read_positions(mesh), matrix)
-    corner_vertex = read(mesh.loops, "vertex_index", 1, np.int32)
-    face_start = read(mesh.polygons, "loop_start", 1, np.int32)
-    face_size = read(mesh.polygons, "loop_total", 1, np.int32)
-    corners = vertices[corner_vertex]
-    centre = np.add.reduceat(corners, face_start, axis=0) / face_size[:, None]
+    """``mesh`` in world space; ``uv_map`` must exist. Raises BakeError for a ``matrix`` with zero scale."""
     uv = None if uv_map is None else read(mesh.uv_layers[uv_map].uv, "vector", 2, np.float32).astype(np.float64)
     return Surface(
-        vertices=vertices,
-        corner_vertex=corner_vertex,
+        vertices=to_world(read_positions(mesh), matrix),
+        corner_vertex=read_corner_vertices(mesh),
         corner_normals=unit(read(mesh.corner_normals, "vector", 3, np.float32) @ linear_inverse(matrix)),
-        corner_inset=np.repeat(centre, face_size, axis=0) - corners,
         triangles=front_facing(read(mesh.loop_triangles, "loops", 3, np.int32), matrix),
+        face_start=read(mesh.polygons, "loop_start", 1, np.int32),
+        face_size=read(mesh.polygons, "loop_total", 1, np.int32),
         corner_uv=uv,
     )

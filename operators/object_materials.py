@@ -7,7 +7,7 @@ from collections.abc import Collection
 
 import bpy
 
-from .material_nodes import BakedSource, plug, unplug
+from .material_nodes import BakedSource, can_plug, plug, shows, unplug
 from .names import PROPERTY
 
 # On a material that we added: whether its slot was new too ("SLOT") or was there, empty ("MATERIAL").
@@ -18,47 +18,62 @@ _SLOT_LINK = "multibounce_ao_slot_link"
 
 
 def plug_object(obj: bpy.types.Object, bounces: str, source: BakedSource) -> list[str]:
-    """Plug the node group into all materials of ``obj``; returns warnings about those where it could not be.
-
-    Images belong to one object. A material that other objects use too is therefore copied before an image goes into
-    it; one that reads attributes stays shared, since each mesh brings its own.
-    """
-    warnings = []
+    """Plug the node group into all materials of ``obj``; returns warnings about those where it could not be."""
     if not any(slot.material for slot in obj.material_slots):
         _create_material(obj)
-    for slot in obj.material_slots:
-        if slot.material is None:
-            continue
-        if source.images is not None and _used_by_others(slot.material, obj):
-            _make_own(slot, obj)
-        material = slot.material
-        if material.library is not None:
-            warnings.append(f"Material '{material.name}' is linked: make it local to plug the nodes in")
-        elif not plug(material, bounces, source):
-            warnings.append(f"Material '{material.name}' has no Principled BSDF: plug the node group in by hand")
-    return warnings
+    warnings = [plug_slot(slot, obj, bounces, source) for slot in obj.material_slots if slot.material]
+    return [warning for warning in warnings if warning]
 
 
-def unplug_object(obj: bpy.types.Object, cleared: Collection[bpy.types.Object]) -> None:
-    """Put the materials of ``obj`` back; nodes that a baked object outside ``cleared`` still shows stay."""
-    for index in reversed(range(len(obj.material_slots))):
-        slot = obj.material_slots[index]
-        if slot.material is not None and slot.material.get(_ORIGINAL) is not None:
-            _give_original_back(slot)
-        material = slot.material
-        if material is None or material.library is not None:
-            continue
-        if _has_copies(material) or any(PROPERTY in other for other in _users(material) if other not in cleared):
-            continue
-        if _CREATED not in material:
+def plug_slot(
+    slot: bpy.types.MaterialSlot, obj: bpy.types.Object, bounces: str, source: BakedSource | None
+) -> str | None:
+    """Plug the node group into the material of one ``slot`` of ``obj``; returns a warning where it could not be.
+
+    Images belong to one object. A material that other objects use too is therefore copied before an image goes into
+    it, or out of it; one that reads attributes stays shared, since each mesh brings its own.
+    """
+    material = slot.material
+    if material.library is not None:
+        return f"Material '{material.name}' is linked: make it local to plug the nodes in"
+    if not can_plug(material):
+        return f"Material '{material.name}' has no Principled BSDF: add one, or plug the node group in by hand"
+    has_images = source is not None and (source.images is not None or shows(material, bpy.data.images.values()))
+    if has_images and _used_by_others(material, obj):
+        material = _make_own(slot, obj)
+    plug(material, bounces, source)
+    return None
+
+
+def unplug_objects(objects: Collection[bpy.types.Object]) -> None:
+    """Put the materials of ``objects`` back; what another baked object still shows stays."""
+    cleared = set(objects)
+    # First the copies of all: they stand over slots of a mesh that several objects may share.
+    for obj in objects:
+        for index in _slots_to_clear(obj, cleared):
+            while _is_own(obj.material_slots[index]):
+                _give_original_back(obj.material_slots[index])
+    for obj in objects:
+        for index in reversed(_slots_to_clear(obj, cleared)):
+            material = obj.material_slots[index].material
+            if material is None or material.library is not None:
+                continue
+            if not any(PROPERTY in other for other in _users(material) if other not in cleared):
+                unplug(material)
+                if _CREATED in material:
+                    _remove_created(obj, index)
+
+
+def unplug_images(images: Collection[bpy.types.Image]) -> None:
+    """Take our nodes out of the materials that read ``images``, which are about to be removed."""
+    for material in bpy.data.materials:
+        if shows(material, images):
             unplug(material)
-            continue
-        if material[_CREATED] == "SLOT":
-            _remove_slot(obj, index)
-        else:
-            slot.material = None
-        if material.users == 0:
-            bpy.data.materials.remove(material)
+
+
+def mesh_is_baked(mesh: bpy.types.Mesh, cleared: Collection[bpy.types.Object]) -> bool:
+    """Whether an object outside ``cleared`` that uses ``mesh`` is baked."""
+    return any(obj.data == mesh and PROPERTY in obj for obj in bpy.data.objects if obj not in cleared)
 
 
 def _create_material(obj: bpy.types.Object) -> None:
@@ -72,22 +87,39 @@ def _create_material(obj: bpy.types.Object) -> None:
         obj.data.materials.append(material)
 
 
-def _remove_slot(obj: bpy.types.Object, index: int) -> None:
-    """By the operator: ``materials.pop`` shortens the mesh's list and leaves the object's slot standing."""
-    obj.active_material_index = index
-    with bpy.context.temp_override(object=obj):
-        bpy.ops.object.material_slot_remove()
+def _remove_created(obj: bpy.types.Object, index: int) -> None:
+    material = obj.material_slots[index].material
+    if material[_CREATED] == "SLOT":
+        # By the operator: ``materials.pop`` shortens the mesh's list and leaves the object's slot standing.
+        obj.active_material_index = index
+        with bpy.context.temp_override(object=obj):
+            bpy.ops.object.material_slot_remove()
+    else:
+        obj.material_slots[index].material = None
+    if material.users == 0:
+        bpy.data.materials.remove(material)
 
 
-def _make_own(slot: bpy.types.MaterialSlot, obj: bpy.types.Object) -> None:
+def _slots_to_clear(obj: bpy.types.Object, cleared: Collection[bpy.types.Object]) -> list[int]:
+    """Not those of a mesh that another object still shows baked."""
+    keep_mesh = mesh_is_baked(obj.data, cleared)
+    return [index for index, slot in enumerate(obj.material_slots) if not (keep_mesh and slot.link == "DATA")]
+
+
+def _make_own(slot: bpy.types.MaterialSlot, obj: bpy.types.Object) -> bpy.types.Material:
     shared = slot.material
     own = shared.copy()
     own.name = f"{shared.name} {obj.name}"
     own[_ORIGINAL] = shared
     own[_SLOT_LINK] = slot.link
-    if obj.data.users > 1:
+    if any(other.data == obj.data for other in bpy.data.objects if other != obj):
         slot.link = "OBJECT"
     slot.material = own
+    return own
+
+
+def _is_own(slot: bpy.types.MaterialSlot) -> bool:
+    return slot.material is not None and slot.material.get(_ORIGINAL) is not None
 
 
 def _give_original_back(slot: bpy.types.MaterialSlot) -> None:
@@ -112,4 +144,4 @@ def _used_by_others(material: bpy.types.Material, obj: bpy.types.Object) -> bool
 
 def _has_copies(material: bpy.types.Material) -> bool:
     """Whether objects have a copy of their own of ``material``: it is what they will get back."""
-    return any(other.get(_ORIGINAL) == material for other in bpy.data.materials)
+    return any(other.get(_ORIGINAL) == material and _users(other) for other in bpy.data.materials)

@@ -32,7 +32,7 @@ def read_occluders(
         owner = instance.parent.original if instance.is_instance else original
         if owner not in owners or evaluated.type not in SURFACE_TYPES:
             continue
-        if not instance.show_self or not original.visible_shadow:
+        if not instance.show_self:
             continue
         if instance.is_instance:
             pair = (original, owner)
@@ -60,11 +60,13 @@ def read_occluders(
 
 
 def _instance_rendered(source: bpy.types.Object, owner: bpy.types.Object) -> bool:
-    """Whether renders show the instances of ``source`` that ``owner`` makes.
+    """Whether renders show the instances of ``source`` that ``owner`` makes, and their shadows.
 
     An object that is disabled in renders is left out of collections and of instancing on vertices and faces. Geometry
     nodes that name the object itself show it all the same: so artists keep what they scatter.
     """
+    if not source.visible_shadow:
+        return False
     if not source.hide_render or owner.instance_type != "NONE":
         return not source.hide_render
     users = bpy.data.user_map(subset={source})[source]

@@ -1,49 +1,85 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which objects block the rays of which bake, each such set built into one Embree scene, once."""
+"""Which objects block the rays of which bake, each such set built into one Embree scene for all that share it."""
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
 from ..core.rays import Occluders
-from .mesh_reader import evaluated_mesh, read_positions, to_world
+from .mesh_reader import evaluated_mesh, read_corner_vertices, read_positions, to_world
 from .occluder_reader import read_occluders, rendered_objects
 from .settings import BakeSettings
 
+# An object further than this many of its own sizes from the middle of the scene gets a scene centred on itself: there
+# single precision, and the ray offset with it, would become coarser than a few ten-thousandths of the object.
+FAR = 300.0
+
 
 class OccluderScenes:
-    """The occluders of every object of a bake, read from the evaluated scene when first asked for."""
+    """The occluders of every object of a bake, read from the evaluated scene when first asked for.
 
-    def __init__(self, context: bpy.types.Context, objects: list[bpy.types.Object], settings: BakeSettings):
-        self._depsgraph = context.evaluated_depsgraph_get()
+    What an object gets depends on nothing that is baked beside it, but for the ground plane.
+    """
+
+    def __init__(
+        self,
+        context: bpy.types.Context,
+        objects: list[bpy.types.Object],
+        selected: Collection[bpy.types.Object],
+        settings: BakeSettings,
+    ):
+        self._context = context
         self._settings = settings
         self._rendered = rendered_objects(context.view_layer)
-        self._selected = {*context.selected_objects, *objects}
-        self._ground = self._lowest(objects) if settings.use_ground_plane else None
-        self._scenes: dict[frozenset[bpy.types.Object], tuple[Occluders, list[str]]] = {}
+        self._selected = {*selected, *objects}
+        heights = [_bounds(context, obj)[0][2] for obj in objects] if settings.use_ground_plane else []
+        lowest = min(heights, default=np.inf)
+        self._ground = float(lowest) if np.isfinite(lowest) else None
+        # The last one only: objects that share it follow one another, and each may be as large as the scene.
+        self._owners: frozenset[bpy.types.Object] = frozenset()
+        self._scene: Occluders | None = None
+        self._warnings: list[str] = []
 
     def scene_for(self, obj: bpy.types.Object, warnings: list[str]) -> Occluders:
         """What blocks the rays of ``obj``, always with itself; appends to ``warnings`` what its artist should know."""
+        others = {"SELF": set(), "SELECTED": self._selected, "VISIBLE": self._shadowing()}[self._settings.occluders]
         if self._settings.occluders == "VISIBLE" and obj not in self._rendered:
             warnings.append("Disabled in renders: it was baked, and blocks no light on other objects")
-        others = {"SELF": set(), "SELECTED": self._selected, "VISIBLE": self._rendered}[self._settings.occluders]
         owners = frozenset({obj, *others})
-        if owners not in self._scenes:
-            vertices, triangles, found = read_occluders(self._depsgraph, owners)
-            self._scenes[owners] = Occluders(vertices, triangles, self._ground), found
-        occluders, found = self._scenes[owners]
-        warnings += found
-        return occluders
+        if self._scene is None or owners != self._owners:
+            self._build(owners)
+        low, high = _bounds(self._context, obj)
+        if np.isfinite(low).all():
+            centre = 0.5 * (low + high)
+            if np.abs(centre - self._scene.centre).max() > FAR * (high - low).max():
+                self._build(owners, centre)
+        warnings += self._warnings
+        return self._scene
 
-    def _lowest(self, objects: list[bpy.types.Object]) -> float | None:
-        """World z of the lowest finite vertex of ``objects``, or None."""
-        heights = [np.empty(0)]
-        for obj in objects:
-            evaluated = obj.evaluated_get(self._depsgraph)
-            with evaluated_mesh(evaluated) as mesh:
-                if mesh is not None:
-                    heights.append(to_world(read_positions(mesh), np.array(evaluated.matrix_world, np.float64))[:, 2])
-        heights = np.concatenate(heights)
-        heights = heights[np.isfinite(heights)]
-        return float(heights.min()) if len(heights) else None
+    def _build(self, owners: frozenset[bpy.types.Object], centre: NDArray | None = None) -> None:
+        self._scene = None  # freed before the next is built
+        vertices, triangles, self._warnings = read_occluders(self._context.evaluated_depsgraph_get(), owners)
+        self._scene = Occluders(vertices, triangles, self._ground, centre)
+        # One that is centred on an object is for that object alone.
+        self._owners = owners if centre is None else frozenset()
+
+    def _shadowing(self) -> set[bpy.types.Object]:
+        """Rendered objects that cast shadows: Cycles' ray visibility, which its own AO follows too."""
+        return {obj for obj in self._rendered if obj.visible_shadow}
+
+
+def _bounds(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Lowest and highest world coordinates (3,) of the finite vertices of the faces of ``obj``; inf, -inf if none."""
+    evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
+    positions = np.empty((0, 3))
+    with evaluated_mesh(evaluated) as mesh:
+        if mesh is not None:
+            used = np.zeros(len(mesh.vertices), bool)
+            used[read_corner_vertices(mesh)] = True
+            positions = to_world(read_positions(mesh)[used], np.array(evaluated.matrix_world, np.float64))
+    positions = positions[np.isfinite(positions).all(axis=1)]
+    return positions.min(axis=0, initial=np.inf), positions.max(axis=0, initial=-np.inf)

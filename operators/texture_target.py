@@ -21,7 +21,7 @@ from .names import BENT_CONE, MULTIBOUNCE_AO
 from .progress import mapped
 from .report import BakeError, ObjectReport, statistics
 from .settings import BakeSettings
-from .uv_layout import check_layout
+from .uv_layout import check_layout, overlaps
 
 
 @dataclass(frozen=True)
@@ -86,9 +86,12 @@ def bake_texture(
         report.points += len(texels.texel)
     if not report.points:
         raise BakeError(f"touches no texel in UV map '{uv_map}': pack its islands (UV > Pack Islands)")
+    if overlaps(triangle_uv, report.points, size):
+        report.warnings.append(
+            f"UV map '{uv_map}' overlaps itself: where faces share texels, one of them decides their colour"
+        )
     report.f0 = statistics(bounces[covered, 0])
 
     bounces, cone, covered = bounces.reshape(size, size, 4), cone.reshape(size, size, 4), covered.reshape(size, size)
-    extend_margin(bounces, covered, settings.margin)
-    extend_margin(cone, covered, settings.margin)
+    extend_margin((bounces, cone), covered, settings.margin)
     return TextureResult(obj, uv_map, folder, bounces, cone)

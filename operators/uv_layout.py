@@ -25,8 +25,7 @@ def uv_map_name(mesh: bpy.types.Mesh, wanted: str) -> str:
 
 def check_layout(triangle_uv: NDArray[np.float64], uv_map: str) -> list[str]:
     """Warnings about ``triangle_uv`` (m, 3, 2). Raises BakeError where no texel could be baked."""
-    a, b, c = np.moveaxis(triangle_uv, 1, 0)
-    area = 0.5 * np.abs((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
+    area = _area(triangle_uv)
     # Of the whole 0-1 tile; less than a texel of the largest image.
     if not np.nansum(np.where(np.isfinite(area), area, 0.0)) > 1e-10:
         raise BakeError(f"has no area in UV map '{uv_map}': {UNWRAP}")
@@ -41,8 +40,19 @@ def check_layout(triangle_uv: NDArray[np.float64], uv_map: str) -> list[str]:
             f"UV map '{uv_map}': {crossing.mean():.1%} of the triangles reach out of the 0-1 tile, where nothing is "
             "baked: pack its islands (UV > Pack Islands)"
         )
-    if area[~outside].sum() > 1.001:
-        warnings.append(
-            f"UV map '{uv_map}' overlaps itself: where faces share texels, one of them decides their colour"
-        )
     return warnings
+
+
+def overlaps(triangle_uv: NDArray[np.float64], covered: int, size: int) -> bool:
+    """Whether the triangles that lie in the 0-1 tile have more area than the ``covered`` texels of a ``size`` image.
+
+    Those are all that the layout touches, so a layout without overlap never has.
+    """
+    inside = (triangle_uv.min(axis=(1, 2)) >= 0.0) & (triangle_uv.max(axis=(1, 2)) <= 1.0)
+    return bool(_area(triangle_uv[inside]).sum() * size * size > 1.001 * covered)
+
+
+def _area(triangle_uv: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Area (m,) of triangles (m, 3, 2)."""
+    a, b, c = np.moveaxis(triangle_uv, 1, 0)
+    return 0.5 * np.abs((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])

@@ -4,19 +4,27 @@
 from __future__ import annotations
 
 from collections.abc import Generator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
 from ..core.channels import bent_cone, fitted_bounces
-from ..core.closest_point import closest_point
-from ..core.surface import Surface
-from .mesh_reader import linear_inverse, read_surface
+from ..core.surface import unit
+from .mesh_reader import linear_inverse, read, read_corner_vertices, read_positions, read_surface, to_world
 from .names import BENT_CONE, MULTIBOUNCE_AO
+from .nearest_point import nearest_points
 from .progress import mapped
 from .report import BakeError, ObjectReport, statistics
+
+# Modifiers that keep the original vertices, in their order: before new ones, and without new ones.
+SUBDIVIDE = {"SUBSURF", "MULTIRES"}
+DEFORM = {
+    *("ARMATURE", "CAST", "CURVE", "DISPLACE", "HOOK", "LAPLACIANDEFORM", "LATTICE", "MESH_DEFORM", "SHRINKWRAP"),
+    *("SIMPLE_DEFORM", "SMOOTH", "CORRECTIVE_SMOOTH", "LAPLACIANSMOOTH", "SURFACE_DEFORM", "WARP", "WAVE"),
+    *("DATA_TRANSFER", "NORMAL_EDIT", "WEIGHTED_NORMAL", "UV_PROJECT", "UV_WARP"),
+}
 
 
 @dataclass(frozen=True)
@@ -26,7 +34,7 @@ class VertexPoints:
     positions, normals  (k, 3) float64, world space
     element_point       (n,) int, the point of each element of the attribute ``domain``, "POINT" or "CORNER"
     extent              size of the surface, world units
-    moved               the points are not the mesh's own vertices
+    moved               furthest that a vertex is from its point, or None where the mesh keeps its topology
     """
 
     positions: NDArray[np.float64]
@@ -34,7 +42,7 @@ class VertexPoints:
     element_point: NDArray[np.intp]
     domain: str
     extent: float
-    moved: bool = False
+    moved: float | None = None
 
 
 @dataclass(frozen=True)
@@ -62,10 +70,11 @@ def bake_vertices(
     bound.
     """
     report.points = len(points.positions)
-    if points.moved:
+    if points.moved is not None:
+        away = f"up to {points.moved:.3g} away" if points.moved > 1e-5 * points.extent else "where they lie on it"
         report.warnings.append(
-            "Modifiers change the topology: the original vertices were baked at the nearest point "
-            "of the modified surface"
+            "Modifiers change the topology: the original vertices were baked at the nearest point of the modified "
+            f"surface, {away}"
         )
     tracing = trace(points.positions, points.normals, extent=points.extent)
     visibility = yield from mapped(tracing, lambda done: done / report.points)
@@ -78,36 +87,55 @@ def bake_vertices(
     )
 
 
-def vertex_points(mesh: bpy.types.Mesh, evaluated: bpy.types.Mesh, matrix: NDArray) -> VertexPoints:
-    """Where the elements of ``mesh`` are sampled.
+def vertex_points(obj: bpy.types.Object, evaluated: bpy.types.Mesh, matrix: NDArray) -> VertexPoints:
+    """Where the elements of the mesh of ``obj`` are sampled on ``evaluated``, the surface that its modifiers make.
 
     A mesh with flat faces or sharp edges has several normals at a vertex, so it gets a value a face corner. Where
     modifiers change the topology, the original vertices go to the nearest point of the evaluated surface.
     """
+    mesh = obj.data
+    points_of = _vertices if mesh.normals_domain == evaluated.normals_domain == "POINT" else _corners
+    same_corners = np.array_equal(read_corner_vertices(mesh), read_corner_vertices(evaluated))
+    if same_corners and len(mesh.vertices) == len(evaluated.vertices):
+        return points_of(evaluated, matrix)
     surface = read_surface(evaluated, matrix)
-    smooth = mesh.normals_domain == evaluated.normals_domain == "POINT"
-    if len(mesh.vertices) == len(evaluated.vertices) and len(mesh.loops) == len(evaluated.loops):
-        return _points_of(surface, smooth)
-    points = _points_of(read_surface(mesh, matrix), smooth)
-    triangle, barycentric = closest_point(points.positions, surface.vertices, surface.vertex_triangles)
-    return VertexPoints(
-        surface.positions_at(triangle, barycentric),
-        surface.normals_at(triangle, barycentric),
-        points.element_point,
-        points.domain,
-        surface.extent,
-        moved=True,
+    positions = surface.vertices[: len(mesh.vertices)] if _vertices_come_first(obj) else None
+    points = points_of(mesh, matrix, positions)
+    triangle, barycentric = nearest_points(points.positions, points.normals, surface)
+    positions = surface.positions_at(triangle, barycentric)
+    return replace(
+        points,
+        positions=positions,
+        normals=surface.normals_at(triangle, barycentric),
+        extent=surface.extent,
+        moved=float(np.linalg.norm(positions - points.positions, axis=1).max()),
     )
 
 
-def _points_of(surface: Surface, smooth: bool) -> VertexPoints:
-    if not smooth:
-        positions, normals, corner_point = surface.split_vertices()
-        return VertexPoints(positions, normals, corner_point, "CORNER", surface.extent)
-    count = len(surface.vertices)
-    normals = np.tile((0.0, 0.0, 1.0), (count, 1))  # what loose vertices, which no face gives a normal, keep
-    normals[surface.corner_vertex] = surface.corner_normals
-    return VertexPoints(surface.vertices, normals, np.arange(count), "POINT", surface.extent)
+def _vertices_come_first(obj: bpy.types.Object) -> bool:
+    """Whether the evaluated mesh begins with the original vertices, where the modifiers moved them.
+
+    So it is under subdivision, which draws a cage's vertices far in: the nearest point of the surface is another one.
+    """
+    return all(modifier.type in SUBDIVIDE | DEFORM for modifier in obj.modifiers if modifier.show_viewport)
+
+
+def _vertices(mesh: bpy.types.Mesh, matrix: NDArray, positions: NDArray | None = None) -> VertexPoints:
+    """A point a vertex, at world ``positions`` if they are given."""
+    if positions is None:
+        positions = to_world(read_positions(mesh), matrix)
+    normals = unit(read(mesh.vertex_normals, "vector", 3, np.float32) @ linear_inverse(matrix))
+    extent = float(np.ptp(positions[read_corner_vertices(mesh)], axis=0).max())
+    return VertexPoints(positions, normals, np.arange(len(positions)), "POINT", extent)
+
+
+def _corners(mesh: bpy.types.Mesh, matrix: NDArray, positions: NDArray | None = None) -> VertexPoints:
+    """A point for each normal at a vertex, with its vertices at world ``positions`` if they are given."""
+    surface = read_surface(mesh, matrix)
+    if positions is not None:
+        surface = replace(surface, vertices=positions)
+    positions, normals, corner_point = surface.split_vertices()
+    return VertexPoints(positions, normals, corner_point, "CORNER", surface.extent)
 
 
 def check_attribute_names(obj: bpy.types.Object) -> None:

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import textwrap
+
 import bpy
 
 from ..operators.names import PROPERTY
@@ -103,4 +105,11 @@ class MULTIBOUNCE_AO_PT_result(_SidebarPanel, bpy.types.Panel):
             labels.label(text=label)
             values.label(text=value)
         for warning in record.get("warnings", ()):
-            self.layout.label(text=warning, icon="ERROR")
+            self._wrapped(context, warning)
+
+    def _wrapped(self, context: bpy.types.Context, text: str) -> None:
+        """Labels do not wrap: a line a label, by a rough width of a letter."""
+        letters = max(20, int(context.region.width / context.preferences.system.ui_scale / 7))
+        column = self.layout.column(align=True)
+        for line, words in enumerate(textwrap.wrap(text, letters)):
+            column.label(text=words, icon="BLANK1" if line else "ERROR")

@@ -39,6 +39,7 @@ def test_floor_before_an_endless_wall():
         seen = see(wall(distance, 1.0), many(0, 0, 0), UP)
         k_error.append(seen.f0 - (1.0 + np.cos(e)) / 2.0)
         alpha_error.append(seen.alpha - (1.0 - e / np.pi))
+    print(f"wall: rms of k_A {rms(k_error):.4f}, of alpha {rms(alpha_error):.4f}")
     assert rms(k_error) < 0.004
     assert rms(alpha_error) < 0.006
 
@@ -47,6 +48,7 @@ def test_corners_of_two_and_of_three_planes():
     """A half and a quarter of the hemisphere are open, whatever the weight."""
     two = wall(0.3, FAR)
     seen = see(two, many(0, 0, 0), UP)
+    print(f"corner: rms of k_A {rms(seen.f0 - 0.5):.4f}, of alpha {rms(seen.alpha - 0.5):.4f}")
     assert rms(seen.f0 - 0.5) < 0.004 and rms(seen.alpha - 0.5) < 0.006
     other = quad((-FAR, 0.7, 0), (FAR, 0.7, 0), (FAR, 0.7, FAR), (-FAR, 0.7, FAR))
     seen = see(join(two, other), many(0, 0, 0), UP)
@@ -60,6 +62,7 @@ def test_sphere_over_a_plane(tilt):
     centre = distance * np.array([np.sin(tilt), 0.0, np.cos(tilt)])
     seen = see(sphere(radius, centre), many(0, 0, 0), UP)
     ratio = (radius / distance) ** 2
+    print(f"sphere, tilt {tilt}: rms of k_A {rms(seen.f0 - (1.0 - np.cos(tilt) * ratio)):.4f}")
     assert rms(seen.f0 - (1.0 - np.cos(tilt) * ratio)) < 0.004
     assert rms(seen.alpha - np.sqrt(1.0 - ratio)) < 0.006
 
@@ -80,7 +83,7 @@ def test_a_flat_plate_is_exactly_open_and_a_closed_box_exactly_dark():
     points[:, 2] = 0.0
     seen = see(plate(), points, UP)
     assert (seen.f0 == 1.0).all() and (seen.alpha == 1.0).all()
-    assert np.abs(seen.bent - (0, 0, 0.5)).max() < 0.01
+    assert np.abs(seen.bent[:, :2]).max() < 1e-6 and np.abs(seen.bent[:, 2] - 0.5).max() < 1e-3
     points[:, 2] = -1.0
     seen = see(box(), points, UP)
     assert (seen.f0 == 0.0).all() and (seen.alpha == 0.0).all() and (seen.bent == 0.0).all()

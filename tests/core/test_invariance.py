@@ -22,6 +22,7 @@ def bumpy_f0(vertices=VERTICES, normals=NORMALS, extent=EXTENT, **options):
 
 def same_but_for_noise(f0, reference):
     difference = f0 - reference
+    print(f"rms {np.sqrt(np.mean(difference**2)):.4f}, worst {np.abs(difference).max():.4f}")
     return np.sqrt(np.mean(difference**2)) < 0.01 and np.abs(difference).max() < 0.1
 
 

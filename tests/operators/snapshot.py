@@ -15,6 +15,7 @@ _DERIVED = {
     "polygon_normals", "vertex_normals", "bound_box", "dimensions", "is_library_indirect",
     "cycles", "cycles_custom", "cycles_curves", "cycles_visibility",
     "tool_settings", "sequence_editor", "display",
+    "users",  # wrong before 4.5: copying a material counts its images twice; ``bpy.data.user_map`` says who they are
 }  # fmt: skip
 _LIBRARY = (
     "cameras", "collections", "images", "libraries", "lights", "materials", "meshes", "node_groups", "objects",
@@ -35,6 +36,8 @@ def _snapshot() -> dict[str, object]:
     for name in _LIBRARY:
         blocks = getattr(bpy.data, name)
         found[name] = sorted(block.name_full for block in blocks)
+        for block, users in bpy.data.user_map(subset=list(blocks)).items():
+            found[f"{name}[{block.name_full!r}] users"] = sorted(user.name_full for user in users)
         for block in blocks:
             _walk(f"{name}[{block.name_full!r}]", block, found, {block.as_pointer()})
     found["active"] = getattr(bpy.context.view_layer.objects.active, "name", None)

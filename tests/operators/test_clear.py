@@ -139,8 +139,9 @@ def test_everything_is_put_back(make, bakes):
 
 def forget_settings_and_unused_groups(before):
     """A node group that nothing uses any more is not saved; the settings are the user's."""
-    for tree in [tree for tree in bpy.data.node_groups if tree.users == 0]:
-        bpy.data.node_groups.remove(tree)
+    for tree, users in bpy.data.user_map(subset=list(bpy.data.node_groups)).items():
+        if not users:
+            bpy.data.node_groups.remove(tree)
     change_settings(target="VERTEX", resolution=1024, use_material_nodes=True)
 
 
@@ -177,6 +178,42 @@ def test_what_the_artist_changed_in_the_meantime_is_kept():
     clear(obj)
     assert source(shader.inputs["Base Color"]) == noise.outputs["Color"]
     assert group(obj.active_material) is None
+
+
+@pytest.mark.parametrize("kind", ["NodeReroute", "ShaderNodeHueSaturation", "ShaderNodeMixRGB"])
+@pytest.mark.parametrize("make", [plain, textured])
+def test_nodes_that_the_artist_put_behind_the_group(kind, make):
+    """Baking again finds the group through them; cleared, they get what the group got."""
+    (obj,) = make()
+    shader = bsdf(obj.active_material)
+    before = source(shader.inputs["Base Color"])
+    bake(obj)
+    node = group(obj.active_material)
+    tree = obj.active_material.node_tree
+    between = tree.nodes.new(kind)
+    socket = next(socket for socket in between.inputs if socket.type == "RGBA")
+    tree.links.new(node.outputs["Color"], socket)
+    tree.links.new(between.outputs[0], shader.inputs["Base Color"])
+    bake(obj)
+    assert group(obj.active_material) == node
+    assert source(socket) == node.outputs["Color"]
+
+    clear(obj)
+    assert group(obj.active_material) is None
+    assert source(socket) == before
+    end = shader.inputs["Base Color"] if kind == "NodeReroute" else socket
+    if make is plain:
+        np.testing.assert_allclose(end.default_value, (0.8, 0.4, 0.2, 1))
+        assert source(shader.inputs["Base Color"]) == (None if kind == "NodeReroute" else between.outputs[0])
+
+
+def test_the_group_s_colour_may_feed_any_socket():
+    (obj,) = plain()
+    bake(obj)
+    shader = bsdf(obj.active_material)
+    obj.active_material.node_tree.links.new(group(obj.active_material).outputs["Color"], shader.inputs["Roughness"])
+    clear(obj)
+    assert shader.inputs["Roughness"].default_value == 0.5
 
 
 def test_the_artist_may_have_removed_anything():

@@ -244,9 +244,16 @@ def test_scene_without_a_mesh(tmp_path, capsys):
     assert "no mesh" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("option", ["--save", "--report"])
-def test_place_that_cannot_be_written(blend, option, capsys):
-    assert run("bake", blend, option, blend / "below" / "a.file") == 2
+def test_report_that_cannot_be_written(blend, capsys):
+    assert run("bake", blend, "--report", blend / "below" / "a.json") == 2
+    error = capsys.readouterr().err
+    assert "below" in error
+    assert "Traceback" not in error
+
+
+def test_a_save_that_fails_is_code_1_and_the_report_is_there(blend, capsys):
+    report = reported(blend, "--save", blend / "below" / "a.blend", code=1)
+    assert all(entry["error"] is None for entry in report["objects"])
     error = capsys.readouterr().err
     assert "below" in error
     assert "Traceback" not in error

@@ -180,6 +180,19 @@ def test_material_whose_nodes_are_off():
     assert group(old) is None
 
 
+@pytest.mark.skipif(bpy.app.version >= (5, 0, 0), reason="from Blender 5.0 on every material has nodes")
+def test_material_whose_nodes_are_off_and_have_no_shader():
+    floor = plate()
+    old = material("Old")
+    old.node_tree.nodes.remove(bsdf(old))
+    old.use_nodes = False
+    floor.data.materials.append(old)
+    (report,) = reports(floor)
+    assert any("'Old'" in warning and "Principled" in warning for warning in report.warnings)
+    assert not old.use_nodes
+    assert [node.bl_idname for node in old.node_tree.nodes] == ["ShaderNodeOutputMaterial"]
+
+
 def test_add_nodes():
     floor = plate()
     floor.data.materials.append(textured_material())
@@ -193,6 +206,31 @@ def test_add_nodes():
     assert not node.inputs["AO"].is_linked
     assert bpy.ops.multibounce_ao.add_nodes() == {"FINISHED"}
     assert source(group(floor.active_material).inputs["AO"]).node.attribute_name == BENT_CONE
+
+
+def test_add_nodes_leaves_the_bake_of_another_object_in():
+    """Of two objects of one material only the other is baked."""
+    floor, other = plate(), plate("Other", location=(9, 0, 0))
+    for obj in (floor, other):
+        obj.data.materials.append(material() if obj == floor else floor.data.materials[0])
+    bake(floor)
+    select(other)
+    bpy.ops.multibounce_ao.add_nodes()
+    assert other.active_material == floor.active_material
+    assert source(group(floor.active_material).inputs["AO"]).node.attribute_name == BENT_CONE
+
+
+def test_add_nodes_copies_a_shared_material_before_an_image_goes_in():
+    floor, other = plate(), plate("Other", location=(9, 0, 0))
+    shared = material()
+    for obj in (floor, other):
+        obj.data.materials.append(shared)
+    bake(floor, target="TEXTURE", resolution=8, use_material_nodes=False)
+    bpy.ops.multibounce_ao.add_nodes()
+    assert other.active_material == shared
+    assert group(shared) is None
+    reader = source(group(floor.active_material).inputs["AO"]).node
+    assert reader.image == bpy.data.images["Plate Bent Cone"]
 
 
 def test_add_nodes_needs_a_material_with_a_shader():

@@ -37,6 +37,8 @@ def test_shared_mesh_to_vertices():
     assert two.error is None
     assert any("'Plate'" in warning and "mesh" in warning for warning in two.warnings)
     np.testing.assert_array_equal(f0(first), 1)  # not the second's, which is in the closet
+    assert (two.points, two.rays, two.f0, two.outputs) == (one.points, 0, one.f0, one.outputs)
+    assert second["multibounce_ao"]["points"] == 25
 
 
 def test_shared_mesh_to_textures():

@@ -123,6 +123,27 @@ def test_objects_whose_names_differ_only_in_what_file_names_cannot_show(tmp_path
         assert Path(bpy.path.abspath(reader.image.filepath)).is_file()
 
 
+def test_only_meshes_have_files(tmp_path):
+    obj, empty = plate("Wall"), bpy.data.objects.new("WALL", None)
+    bpy.context.scene.collection.objects.link(empty)
+    bake_texture(obj, resolution=4, output_directory=str(tmp_path))
+    assert {path.name for path in tmp_path.iterdir()} == {"Wall" + suffix for suffix in NAMES.values()}
+
+
+def test_packed_images_that_no_material_has_are_saved(tmp_path):
+    obj = plate()
+    bake_texture(obj, resolution=4, use_material_nodes=False)
+    expected = pixels(image(obj))
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "scene.blend"))
+    obj = bpy.data.objects["Plate"]
+    np.testing.assert_array_equal(pixels(image(obj)), expected)
+    bpy.data.objects.remove(obj)
+    bpy.ops.wm.save_mainfile()
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "scene.blend"))
+    assert not bpy.data.images  # as with anything else in a .blend that nothing uses
+
+
 def test_long_names_that_begin_alike_keep_their_own_images():
     """Blender cuts names after 63 bytes."""
     one, two = plate("x" * 60 + "one"), plate("x" * 60 + "two", location=(0, 0, -5))

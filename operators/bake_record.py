@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The record of a bake on its object: the settings, the numbers, and where materials find what was baked."""
+
+from __future__ import annotations
+
+import bpy
+
+from .images import recorded_images
+from .material_nodes import GROUPS, BakedSource
+from .names import PROPERTY
+from .object_materials import plug_object
+from .report import ObjectReport
+from .settings import BakeSettings
+from .version import extension_version
+
+
+def record_bake(obj: bpy.types.Object, settings: BakeSettings, report: ObjectReport, uv_map: str | None = None) -> None:
+    """Leave the record of a stored bake on ``obj`` and plug the nodes in where wanted; their warnings go to ``report``.
+
+    ``uv_map`` of a texture bake. The images are in the record already; those of an earlier bake stay in it, so that
+    they are replaced and cleared with this object.
+    """
+    record = settings.as_property() | {
+        "version": extension_version(),
+        "points": report.points,
+        "rays": float(report.rays),  # ID properties have 32-bit integers
+        "seconds": report.seconds,
+        "f0": report.f0,
+        "images": recorded_images(obj),
+    }
+    if uv_map is not None:
+        record["uv_map"] = uv_map
+    obj[PROPERTY] = record
+    if settings.use_material_nodes:
+        report.warnings += plug_object(obj, settings.bounces, baked_source(obj))
+    obj[PROPERTY]["warnings"] = report.warnings
+
+
+def baked_source(obj: bpy.types.Object) -> BakedSource | None:
+    """Where the materials of ``obj`` find its bake, or None where it has none."""
+    record = obj.get(PROPERTY)
+    if record is None:
+        return None
+    if record["target"] == "VERTEX":
+        return BakedSource()
+    images = recorded_images(obj)
+    channels = {channel for channel, _ in GROUPS[record["bounces"]][1].values()}
+    return BakedSource(images, record["uv_map"]) if channels <= images.keys() else None
