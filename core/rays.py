@@ -57,7 +57,7 @@ class Occluders:
     vertices      (n, 3) float, world units
     triangles     (m, 3) int, counter-clockwise seen from the front
     ground_height world z of an infinite floor, or None
-    centre        (3,) float, where precision is wanted most; default the median vertex, which a few far ones do not move
+    centre        (3,) float, where precision is wanted most; default the median vertex, which few far ones do not move
 
     Raises ValueError where a vertex is not finite. Safe to use from many threads: Embree only reads.
     """
