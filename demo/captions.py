@@ -6,6 +6,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+from quiet import quiet
 
 
 def render_text(lines: list[tuple[str, float, float, float]], width: int, height: int) -> np.ndarray:
@@ -34,7 +35,8 @@ def render_text(lines: list[tuple[str, float, float, float]], width: int, height
     scene.render.image_settings.file_format = "PNG"
     with tempfile.TemporaryDirectory() as folder:
         scene.render.filepath = str(Path(folder) / "captions.png")
-        bpy.ops.render.render(write_still=True, scene=scene.name)
+        with quiet():
+            bpy.ops.render.render(write_still=True, scene=scene.name)
         image = bpy.data.images.load(scene.render.filepath)
         pixels = np.empty(width * height * 4, np.float32)
         image.pixels.foreach_get(pixels)

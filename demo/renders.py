@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 import OpenEXR
 import shading
+from quiet import quiet
 
 SIZE = (960, 640)
 REFERENCE_BOUNCES = 12
@@ -49,7 +50,8 @@ def _render(samples: int, bounces: int) -> dict[str, np.ndarray]:
     settings.color_depth = "32"
     with tempfile.TemporaryDirectory() as folder:
         scene.render.filepath = str(Path(folder) / "render.exr")
-        bpy.ops.render.render(write_still=True)
+        with quiet():
+            bpy.ops.render.render(write_still=True)
         # Blender 5 writes a part a pass, older ones put them all into one.
         parts = OpenEXR.File(scene.render.filepath, separate_channels=True).parts
     passes: dict[str, dict[str, np.ndarray]] = {}

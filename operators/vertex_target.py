@@ -71,7 +71,7 @@ def bake_vertices(
     """
     report.points = len(points.positions)
     if points.moved is not None:
-        away = f"up to {points.moved:.3g} away" if points.moved > 1e-5 * points.extent else "where they lie on it"
+        away = f"up to {points.moved:.3g} away" if points.moved > 1e-3 * points.extent else "where they lie on it"
         report.warnings.append(
             "Modifiers change the topology: the original vertices were baked at the nearest point of the modified "
             f"surface, {away}"
