@@ -6,6 +6,7 @@ from __future__ import annotations
 import bpy
 
 from .bake_job import bake
+from .poll import object_mode_with
 from .progress import Progress, StderrProgress, drive
 from .report import BakeError, ObjectReport, count_text
 from .settings import BakeSettings
@@ -26,13 +27,8 @@ class MULTIBOUNCE_AO_OT_bake(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        if context.mode != "OBJECT":
-            cls.poll_message_set("Switch to Object Mode first")
-            return False
-        if not selected_meshes(context):
-            cls.poll_message_set("No mesh is selected: select the objects to bake")
-            return False
-        return True
+        nothing = "No mesh is selected: select the objects to bake"
+        return object_mode_with(cls, context, selected_meshes(context), nothing)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         settings = BakeSettings.of(context.scene)

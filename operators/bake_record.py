@@ -39,7 +39,7 @@ def record_bake(obj: bpy.types.Object, settings: BakeSettings, report: ObjectRep
 def baked_source(obj: bpy.types.Object) -> BakedSource | None:
     """Where the materials of ``obj`` find its bake, or None where it has none."""
     record = obj.get(PROPERTY)
-    if record is None:
+    if record is None or "target" not in record:
         return None
     if record["target"] == "VERTEX":
         return BakedSource()

@@ -8,6 +8,7 @@ import bpy
 from .images import images_of_only
 from .names import PROPERTY
 from .object_materials import mesh_is_baked, unplug_images, unplug_objects
+from .poll import object_mode_with
 from .vertex_target import remove_attributes
 
 
@@ -35,13 +36,8 @@ class MULTIBOUNCE_AO_OT_clear(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        if context.mode != "OBJECT":
-            cls.poll_message_set("Switch to Object Mode first")
-            return False
-        if not _clearable(context):
-            cls.poll_message_set("No mesh is selected that can be edited: select the objects to clear")
-            return False
-        return True
+        nothing = "No mesh is selected that can be edited: select the objects to clear"
+        return object_mode_with(cls, context, _clearable(context), nothing)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         objects = _clearable(context)

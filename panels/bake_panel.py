@@ -87,7 +87,8 @@ class MULTIBOUNCE_AO_PT_result(_SidebarPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return context.active_object is not None and PROPERTY in context.active_object
+        obj = context.active_object
+        return obj is not None and "f0" in obj.get(PROPERTY, ())
 
     def draw(self, context: bpy.types.Context) -> None:
         record = context.active_object[PROPERTY]
