@@ -9,7 +9,7 @@ import bpy
 def object_mode_with(
     operator: type[bpy.types.Operator], context: bpy.types.Context, objects: list[bpy.types.Object], nothing: str
 ) -> bool:
-    """Whether ``context`` is in Object Mode with ``objects`` to work on; tells why not, ``nothing`` where there is none."""
+    """Whether ``context`` is in Object Mode and there are ``objects`` to work on; tells why not (``nothing``)."""
     if context.mode != "OBJECT":
         operator.poll_message_set("Switch to Object Mode first")
         return False
