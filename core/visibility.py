@@ -24,8 +24,8 @@ from .morton import morton_order
 from .rays import Obscurance, Occluders
 from .sampling import Pattern, frames, turns
 
-# Rays in flight a thread: under 1 MB, and few enough that BLAS sums a block without waking threads of its own, which
-# cost a fifth of the rate. Fixed, because results must not depend on the machine.
+# Rays in flight a thread: under 1 MB, and few enough that BLAS sums a block without waking threads of its own beside
+# ours. Fixed, because results must not depend on the machine.
 RAYS_PER_BLOCK = 2**15
 
 

@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The only room that reads and writes Blender's data.
 
-bake.py, clear.py, add_nodes.py and command_line.py are the doors; bake_job.py is the bake itself, from
-``object_checks``, ``occluder_scenes`` and ``mesh_reader`` (in) to ``vertex_target``, ``texture_target`` and
-``object_materials`` (out).
+The doors: bake.py, clear.py, add_nodes.py, command_line.py, with ``settings`` and ``poll``.
+The bake:  bake_job.py, which passes data through
+    in     ``object_checks``, ``mesh_reader``, ``occluder_reader`` into ``occluder_scenes``, ``uv_layout``,
+           ``nearest_point``
+    rays   ``vertex_target`` or ``texture_target``
+    out    attributes, ``images``, ``bake_record``, ``object_materials`` with ``material_nodes``, ``report``
 """

@@ -21,7 +21,7 @@ from ..core.visibility import trace_visibility
 from .bake_record import record_bake
 from .images import check_image_names, output_folder
 from .mesh_reader import evaluated_mesh, read_surface
-from .names import BENT_CONE, MULTIBOUNCE_AO
+from .names import CHANNELS
 from .object_checks import check_evaluated, check_object
 from .occluder_scenes import OccluderScenes
 from .progress import Progress, mapped
@@ -90,7 +90,7 @@ def bake(
 
 def _share(baked: ObjectReport, report: ObjectReport) -> None:
     """Fill the ``report`` of an object that shows the bake of another, because they share a mesh."""
-    report.points, report.f0, report.outputs = baked.points, baked.f0, [MULTIBOUNCE_AO, BENT_CONE]
+    report.points, report.f0, report.outputs = baked.points, baked.f0, list(CHANNELS)
     report.warnings.append(
         f"Shares its mesh with '{baked.name}', whose bake it shows: "
         "for its own, make it single-user (Object > Relations > Make Single User)"

@@ -7,5 +7,8 @@ MULTIBOUNCE_AO = "Multibounce AO"
 BENT_CONE = "Bent Cone"
 """Attribute or image: mean visible direction x, y, z, and alpha."""
 
+CHANNELS = (MULTIBOUNCE_AO, BENT_CONE)
+"""What every bake leaves, as attributes or as images."""
+
 PROPERTY = "multibounce_ao"
 """ID property: on objects what was baked, on materials, images and nodes that they are ours."""

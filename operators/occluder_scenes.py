@@ -36,7 +36,8 @@ class OccluderScenes:
         self._settings = settings
         self._rendered = rendered_objects(context.view_layer)
         self._selected = {*selected, *objects}
-        heights = [_bounds(context, obj)[0][2] for obj in objects] if settings.use_ground_plane else []
+        self._bounds: dict[bpy.types.Object, tuple[NDArray[np.float64], NDArray[np.float64]]] = {}
+        heights = [self._bounds_of(obj)[0][2] for obj in objects] if settings.use_ground_plane else []
         lowest = min(heights, default=np.inf)
         self._ground = float(lowest) if np.isfinite(lowest) else None
         # The last one only: objects that share it follow one another, and each may be as large as the scene.
@@ -52,7 +53,7 @@ class OccluderScenes:
         owners = frozenset({obj, *others})
         if self._scene is None or owners != self._owners:
             self._build(owners)
-        low, high = _bounds(self._context, obj)
+        low, high = self._bounds_of(obj)
         if np.isfinite(low).all():
             centre = 0.5 * (low + high)
             if np.abs(centre - self._scene.centre).max() > FAR * (high - low).max():
@@ -66,6 +67,12 @@ class OccluderScenes:
         self._scene = Occluders(vertices, triangles, self._ground, centre)
         # One that is centred on an object is for that object alone.
         self._owners = owners if centre is None else frozenset()
+
+    def _bounds_of(self, obj: bpy.types.Object) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """As :func:`_bounds`, read once for the ground plane and the centre."""
+        if obj not in self._bounds:
+            self._bounds[obj] = _bounds(self._context, obj)
+        return self._bounds[obj]
 
     def _shadowing(self) -> set[bpy.types.Object]:
         """Rendered objects that cast shadows: Cycles' ray visibility, which its own AO follows too."""

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..core.channels import bent_cone, fitted_bounces
 from ..core.surface import unit
 from .mesh_reader import linear_inverse, read, read_corner_vertices, read_positions, read_surface, to_world
-from .names import BENT_CONE, MULTIBOUNCE_AO
+from .names import BENT_CONE, CHANNELS, MULTIBOUNCE_AO
 from .nearest_point import nearest_points
 from .progress import mapped
 from .report import BakeError, ObjectReport, statistics
@@ -58,7 +58,7 @@ class VertexResult:
         """Store both attributes; returns their names."""
         write_attribute(self.mesh, MULTIBOUNCE_AO, self.domain, self.multibounce_ao)
         write_attribute(self.mesh, BENT_CONE, self.domain, self.bent_cone)
-        return [MULTIBOUNCE_AO, BENT_CONE]
+        return list(CHANNELS)
 
 
 def bake_vertices(
@@ -140,7 +140,7 @@ def _corners(mesh: bpy.types.Mesh, matrix: NDArray, positions: NDArray | None = 
 
 def check_attribute_names(obj: bpy.types.Object) -> None:
     """Raises BakeError where what is no colour has a name that the bake needs: it may be the artist's work."""
-    for name in (MULTIBOUNCE_AO, BENT_CONE):
+    for name in CHANNELS:
         attribute = obj.data.attributes.get(name)
         if name in obj.vertex_groups or (attribute and attribute.data_type not in {"FLOAT_COLOR", "BYTE_COLOR"}):
             raise BakeError(f"has a UV map, vertex group or attribute '{name}' that is no colour: rename it")
@@ -163,7 +163,7 @@ def write_attribute(mesh: bpy.types.Mesh, name: str, domain: str, values: NDArra
 
 def remove_attributes(mesh: bpy.types.Mesh) -> None:
     """Take back what a bake stored on ``mesh``."""
-    for name in (MULTIBOUNCE_AO, BENT_CONE):
+    for name in CHANNELS:
         attribute = mesh.attributes.get(name)
         if attribute is not None:
             mesh.attributes.remove(attribute)
