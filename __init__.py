@@ -9,7 +9,7 @@ panels/        draws
 
 import bpy
 
-from .operators import command_line, settings
+from .operators import command_line, occluder_cache, settings
 from .operators.add_nodes import MULTIBOUNCE_AO_OT_add_nodes
 from .operators.bake import MULTIBOUNCE_AO_OT_bake
 from .operators.clear import MULTIBOUNCE_AO_OT_clear
@@ -38,9 +38,11 @@ def register() -> None:
         bpy.utils.register_class(cls)
     settings.add_to_scene()
     command_line.register()
+    occluder_cache.register()
 
 
 def unregister() -> None:
+    occluder_cache.unregister()
     command_line.unregister()
     settings.remove_from_scene()
     for cls in reversed(CLASSES):

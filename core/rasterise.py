@@ -1,177 +1,183 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which texels a UV layout touches, and which point of the surface each of them shows.
+"""Which texels a UV layout touches, and which points of the surface each of them shows.
 
-Conservative: every texel whose square a UV triangle touches gets a point. Where the texel's centre lies in a triangle
-that point is under the centre; at island borders it is the nearest point of the island, so that bilinear filtering
-never picks up background. The work is two expansions without a loop over triangles: triangles into the rows they
-cross, rows into the texels of their span.
+A texel is sampled over its area, at places that stand on scanlines of their own (:mod:`.scan_conversion`), so that
+triangles smaller than a texel count as well. Conservative: a texel that a UV triangle touches without holding one of
+its places shows the point next to it (:mod:`.texel_rim`), so that bilinear filtering never picks up background.
 """
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .surface import inset_barycentric
+from .scan_conversion import Trapezoids, owners, reach, trapezoids
+from .texel_rim import rim
 
-# Texels expanded at once, about 100 MB of temporaries.
-TEXELS_PER_CHUNK = 2**19
+# What a caller holds at once: 12 bytes each in Texels, and twice that while they are put together.
+PLACES_PER_BAND = 2**22
+# What one thread works on: about 40 MB of temporaries. Smaller pieces leave more of the time to Python's lock.
+PLACES_PER_TASK = 2**18
+# More threads than this wait for Python's lock.
+MOST_THREADS = 8
 
 
 @dataclass(frozen=True)
 class Texels:
-    """k texels of an image and the surface point under each.
+    """k texels of an image and the surface points at the K places of each.
 
-    texel        (k,) int64, row * width + column, row 0 at v = 0; ascending
-    triangle     (k,) int64
-    barycentric  (k, 3) float64, positive, sums to 1
+    texel     (k,) int64, row * width + column, row 0 at v = 0; ascending
+    triangle  (k, K) int32
+    weights   (k, K, 2) float32, barycentric weights of that triangle's second and third corner, >= 0, sum <= 1
     """
 
     texel: NDArray[np.int64]
-    triangle: NDArray[np.int64]
-    barycentric: NDArray[np.float64]
+    triangle: NDArray[np.int32]
+    weights: NDArray[np.float32]
 
 
-def rasterise(triangle_uv: NDArray, width: int, height: int, rows: tuple[int, int] | None = None) -> Texels:
-    """Texels in image ``rows`` [first, last) that ``triangle_uv`` (m, 3, 2) touches, one surface point each.
+def rasterise(
+    triangle_uv: NDArray,
+    width: int,
+    height: int,
+    places: int = 1,
+    rows: tuple[int, int] | None = None,
+    threads: int | None = None,
+) -> Texels:
+    """Texels in image ``rows`` [first, last) that ``triangle_uv`` (m, 3, 2) touches, ``places`` surface points each.
 
-    Only the tile [0, 1]^2 is filled. Where triangles overlap, the first that holds the texel's centre wins. Triangles
-    without UV area, or with NaN coordinates, own nothing.
+    Only the tile [0, 1]^2 is filled. Where triangles overlap at a place, the first wins. Places outside the surface
+    repeat those of their texel that are inside. Triangles without UV area, or with coordinates that are not finite, own
+    nothing. ``threads`` defaults to the processors there are; the result does not depend on it, nor on ``rows``.
     """
     first, last = rows or (0, height)
-    corners = np.asarray(triangle_uv, np.float64) * (width, height)
-    ids = _drawable(corners, width, first, last)
-    to_weights = _to_weights(corners)
-    count = (last - first) * width
-    owner = np.full(count, -1, np.int64)
-    weights = np.zeros((count, 3))
-    distance = np.full(count, np.inf)
-    for triangle, row, low, high in _spans(corners, ids, width, first, last):
-        # Where layouts overlap, most spans hold no texel that is still open: pass over them before expanding.
-        still_open = np.concatenate(((0,), np.cumsum(distance > 0.0)))
-        start = (row - first) * width
-        needed = still_open[start + high] > still_open[start + low]
-        part, column = _expand(low[needed], high[needed])
-        triangle, row = triangle[needed][part], row[needed][part]
-
-        texel = (row - first) * width + column
-        to_centre = np.stack((column + 0.5, row + 0.5), axis=1) - corners[triangle, 0]
-        at = _barycentric(to_centre, to_weights[triangle])
-        under = at.min(axis=1) >= 0.0
-
-        # Backwards, so that the first triangle over a centre is the one that stays.
-        best = np.flatnonzero(under & (distance[texel] > 0.0))[::-1]
-        owner[texel[best]], weights[texel[best]], distance[texel[best]] = triangle[best], at[best], 0.0
-
-        rim = np.flatnonzero(~under & (distance[texel] > 0.0))
-        away, at = _closest_on_edges(to_centre[rim], corners[triangle[rim]])
-        # Nearest first, then lowest triangle: the first of each texel in this order is its best here.
-        order = np.lexsort((triangle[rim], away, texel[rim]))
-        order = order[np.diff(texel[rim[order]], prepend=-1) > 0]
-        order = order[away[order] < distance[texel[rim[order]]]]
-        best = texel[rim[order]]
-        owner[best], weights[best], distance[best] = triangle[rim[order]], at[order], away[order]
-    hit = np.flatnonzero(owner >= 0)
-    return Texels(hit + first * width, owner[hit], inset_barycentric(weights[hit]))
+    layout = _prepare(triangle_uv, width, height, places, first, last)
+    tasks = [(first + low, first + high) for low, high in bands(width, last - first, places, PLACES_PER_TASK)]
+    threads = min(threads or os.cpu_count() or 1, MOST_THREADS, len(tasks))
+    if threads > 1:
+        with ThreadPoolExecutor(threads) as pool:
+            parts = list(pool.map(layout.texels, tasks))
+    else:
+        parts = [layout.texels(task) for task in tasks]
+    return Texels(*(np.concatenate(part) for part in zip(*parts, strict=True)))
 
 
-def bands(width: int, height: int, texels: int = 2**20) -> Iterator[tuple[int, int]]:
-    """Row ranges [first, last) of at most ``texels`` texels (at least one row), so that memory does not follow the
+def bands(width: int, height: int, places: int = 1, limit: int = PLACES_PER_BAND) -> Iterator[tuple[int, int]]:
+    """Row ranges [first, last) of at most ``limit`` places (at least one row), so that memory does not follow the
     image."""
-    step = max(1, texels // width)
+    step = max(1, limit // (width * places))
     for first in range(0, height, step):
         yield first, min(first + step, height)
 
 
-def _drawable(corners: NDArray, width: int, first: int, last: int) -> NDArray[np.intp]:
-    """Triangles with area that reach into the rows and the tile."""
-    (x0, y0), (x1, y1), (x2, y2) = np.moveaxis(corners, (1, 2), (0, 1))
-    area = np.abs((x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0))
-    low, high = corners.min(axis=1), corners.max(axis=1)
-    inside = (high[:, 0] > 0) & (low[:, 0] < width) & (high[:, 1] > first) & (low[:, 1] < last)
-    return np.flatnonzero(inside & (area > 1e-12))
+def place_pattern(places: int) -> NDArray[np.float64]:
+    """Places (K, 2) in the unit square, ascending in y, each alone in its column and its row of a K x K grid.
+
+    The columns are the ranks of the multiples of the golden ratio: a Fibonacci lattice where K is a Fibonacci number.
+    """
+    order = np.argsort(np.arange(places) * ((np.sqrt(5.0) - 1.0) / 2.0) % 1.0)
+    pattern = np.empty((places, 2))
+    pattern[order, 0] = pattern[:, 1] = (np.arange(places) + 0.5) / places
+    return pattern
 
 
-def _spans(
-    corners: NDArray, ids: NDArray, width: int, first: int, last: int
-) -> Iterator[tuple[NDArray, NDArray, NDArray, NDArray]]:
-    """Chunks of (triangle, row, low, high), each (k,) int64: the columns [low, high) that a triangle touches in a
-    row."""
-    y = corners[ids, :, 1]
-    row_low = np.maximum(np.floor(y.min(axis=1)), first).astype(np.int64)
-    row_high = np.minimum(np.ceil(y.max(axis=1)), last).astype(np.int64)
-    part, row = _expand(row_low, row_high)
-    triangle = ids[part]
-    left, right = _extent_in_row(corners[triangle], row)
-    low = np.clip(np.floor(left), 0, width).astype(np.int64)
-    high = np.clip(np.ceil(right), 0, width).astype(np.int64)
-    ends = np.cumsum(np.maximum(high - low, 0))
-    start = 0
-    while start < len(row):
-        before = ends[start - 1] if start else 0
-        stop = max(start + 1, int(np.searchsorted(ends, before + TEXELS_PER_CHUNK, side="right")))
-        yield triangle[start:stop], row[start:stop], low[start:stop], high[start:stop]
-        start = stop
+@dataclass(frozen=True)
+class _Layout:
+    """The triangles that reach into some rows, in texels.
+
+    index       (m,) int32, ascending
+    x, y        (3, m) float64, their corners
+    boxes       (4, m) int32, rows [low, high) and columns [start, end) that they reach
+    to_weights  (2, 3, m) float64: the point (x, y) has second and third weight [0] x + [1] y + [2]
+    """
+
+    width: int
+    pattern: NDArray[np.float64]
+    index: NDArray[np.int32]
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    boxes: NDArray[np.int32]
+    to_weights: NDArray[np.float64]
+    trapezoids: Trapezoids
+
+    def texels(self, rows: tuple[int, int]) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float32]]:
+        """The fields of :class:`Texels` for ``rows`` [first, last)."""
+        first, width, places = rows[0], self.width, len(self.pattern)
+        owner = owners(self.trapezoids, rows, width, self.pattern[:, 0])
+        held = owner >= 0
+        covered, full = held.any(axis=1), held.all(axis=1).reshape(-1)
+        rim_texel, rim_triangle, rim_weights = rim(self.x, self.y, self.boxes, ~covered, first)
+        covered = covered.reshape(-1)
+        covered[rim_texel] = True
+
+        texel = np.flatnonzero(covered)
+        triangle = owner.transpose(0, 2, 1).reshape(-1, places).take(texel, axis=0)
+        at_rim = np.searchsorted(texel, rim_texel)
+        triangle[at_rim] = rim_triangle[:, None]
+        full[rim_texel] = True
+        row, column = np.divmod(texel, width)
+        x, y = column[:, None] + self.pattern[:, 0], (row + first)[:, None] + self.pattern[:, 1]
+        partly = np.flatnonzero(~full.take(texel))
+        place = _inside(triangle.take(partly, axis=0) >= 0)
+        triangle[partly] = np.take_along_axis(triangle.take(partly, axis=0), place, axis=1)
+        x[partly] = column[partly, None] + self.pattern[place, 0]
+        y[partly] = (row + first)[partly, None] + self.pattern[place, 1]
+        weights = self._weights(triangle, x, y)
+        weights[at_rim] = rim_weights[:, None]
+        return texel + first * width, self.index.take(triangle), weights
+
+    def _weights(self, triangle: NDArray, x: NDArray, y: NDArray) -> NDArray[np.float32]:
+        """Weights (k, K, 2) of the points ``x``, ``y`` (k, K) in the triangles (k, K) that hold them."""
+        weights = np.empty((*triangle.shape, 2), np.float32)
+        triangle = triangle.astype(np.intp)
+        below = np.float32(1.0)
+        for i, (along_x, along_y, constant) in enumerate(self.to_weights):
+            weight, term = along_x.take(triangle), along_y.take(triangle)
+            weight *= x
+            term *= y
+            weight += term
+            weight += constant.take(triangle)
+            # Rounding may leave a point on an edge just outside.
+            weights[:, :, i] = np.minimum(np.maximum(weight, 0.0, out=weight), below, out=weight)
+            below = 1.0 - weights[:, :, 0]
+        return weights
 
 
-def _expand(low: NDArray, high: NDArray) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """All integers of the ranges [low, high), and the index of the range each belongs to."""
-    count = np.maximum(high - low, 0)
-    part = np.repeat(np.arange(len(low)), count)
-    offset = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
-    return part, low[part] + offset
+def _prepare(triangle_uv: NDArray, width: int, height: int, places: int, first: int, last: int) -> _Layout:
+    """The triangles with area that reach into the tile's rows [first, last)."""
+    uv = np.asarray(triangle_uv, np.float64).reshape(-1, 3, 2)
+    y = np.multiply(uv[:, :, 1].T, height, order="C")
+    near = np.flatnonzero((y.max(axis=0) > first) & (y.min(axis=0) < last))
+    x, y = np.multiply(uv[near, :, 0].T, width, order="C"), y.take(near, axis=1)
+    with np.errstate(invalid="ignore", over="ignore"):
+        area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])
+    inside = (x.max(axis=0) > 0.0) & (x.min(axis=0) < width)
+    kept = np.flatnonzero(inside & (np.abs(area) > 1e-12) & np.isfinite(area))
+    x, y, area = x.take(kept, axis=1), y.take(kept, axis=1), area.take(kept)
+    second = np.stack((y[2] - y[0], x[0] - x[2])) / area
+    third = np.stack((y[0] - y[1], x[1] - x[0])) / area
+    to_weights = np.array([(*along, -(along[0] * x[0] + along[1] * y[0])) for along in (second, third)])
+    return _Layout(
+        width,
+        place_pattern(places),
+        near.take(kept).astype(np.int32),
+        x,
+        y,
+        np.stack((*reach(y, first, last), *reach(x, 0, width))),
+        to_weights,
+        trapezoids(x, y * places, width, first * places, last * places),
+    )
 
 
-def _extent_in_row(corners: NDArray, row: NDArray) -> tuple[NDArray, NDArray]:
-    """Leftmost and rightmost x (k,) of each triangle (k, 3, 2) within its row [row, row + 1]."""
-    left, right = np.full(len(row), np.inf), np.full(len(row), -np.inf)
-    for i, j in ((0, 1), (1, 2), (2, 0)):
-        (px, py), (qx, qy) = corners[:, i].T, corners[:, j].T
-        low = np.maximum(np.minimum(py, qy), row)
-        high = np.minimum(np.maximum(py, qy), row + 1)
-        crosses = low <= high
-        rise = qy - py
-        slope = np.divide(qx - px, rise, out=np.zeros_like(rise), where=rise != 0.0)
-        for y in (low, high):
-            x = np.where(rise != 0.0, px + (y - py) * slope, px)
-            left = np.where(crosses, np.minimum(left, x), left)
-            right = np.where(crosses, np.maximum(right, x), right)
-        level = crosses & (rise == 0.0)
-        left[level] = np.minimum(left, np.minimum(px, qx))[level]
-        right[level] = np.maximum(right, np.maximum(px, qx))[level]
-    return left, right
-
-
-def _to_weights(triangles: NDArray) -> NDArray[np.float64]:
-    """(m, 2, 2): takes the vector from a triangle's first corner to a point to that point's second and third weight."""
-    ab, ac = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
-    area = ab[:, 0] * ac[:, 1] - ab[:, 1] * ac[:, 0]
-    inverse = np.stack((ac[:, 1], -ac[:, 0], -ab[:, 1], ab[:, 0]), axis=1).reshape(-1, 2, 2)
-    return np.divide(inverse, area[:, None, None], out=np.zeros_like(inverse), where=area[:, None, None] != 0.0)
-
-
-def _barycentric(to_points: NDArray, to_weights: NDArray) -> NDArray[np.float64]:
-    """Barycentric coordinates (k, 3) of points given from their triangles' first corners."""
-    v = to_points[:, 0] * to_weights[:, 0, 0] + to_points[:, 1] * to_weights[:, 0, 1]
-    w = to_points[:, 0] * to_weights[:, 1, 0] + to_points[:, 1] * to_weights[:, 1, 1]
-    return np.stack((1.0 - v - w, v, w), axis=1)
-
-
-def _closest_on_edges(to_points: NDArray, triangles: NDArray) -> tuple[NDArray, NDArray]:
-    """Squared distance (k,) to the outlines of ``triangles`` (k, 3, 2), and barycentrics (k, 3) of the nearest
-    point."""
-    distance, at = np.full(len(to_points), np.inf), np.zeros((len(to_points), 3))
-    for i, j in ((0, 1), (1, 2), (2, 0)):
-        along = triangles[:, j] - triangles[:, i]
-        to = to_points - (triangles[:, i] - triangles[:, 0])
-        t = np.clip((to * along).sum(axis=1) / np.maximum((along * along).sum(axis=1), 1e-300), 0.0, 1.0)
-        away = ((to - t[:, None] * along) ** 2).sum(axis=1)
-        closer = away < distance
-        distance[closer] = away[closer]
-        at[closer] = 0.0
-        at[closer, i] = 1.0 - t[closer]
-        at[closer, j] = t[closer]
-    return distance, at
+def _inside(held: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """For each place (k, K), itself where ``held``, else one that is, each of a texel's as often as the others."""
+    order = np.argsort(~held, axis=1, kind="stable")
+    turn = np.arange(held.shape[1]) % held.sum(axis=1)[:, None]
+    place = np.empty_like(order)
+    np.put_along_axis(place, order, np.take_along_axis(order, turn, axis=1), axis=1)
+    return place

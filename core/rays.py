@@ -82,38 +82,47 @@ class Occluders:
         # robust: watertight at the edges of separate faces that meet, where the faster mode leaks.
         self._scene = EmbreeScene(robust=True)
         if len(triangles):
-            self._mesh = TriangleMesh(self._scene, self.to_scene(vertices).astype(np.float32), triangles)
+            in_scene = ((vertices - self.centre) * self.scale).astype(np.float32)
+            self._mesh = TriangleMesh(self._scene, in_scene, triangles)
+            # The first ray has Embree build its tree: here, not under the first of many threads.
+            self._scene.run(np.zeros((1, 3), np.float32), np.ones((1, 3), np.float32), query="OCCLUDED")
 
-    def to_scene(self, points: NDArray) -> NDArray[np.float64]:
-        """World ``points`` (n, 3) in the units that Embree sees."""
-        return (np.asarray(points, np.float64) - self.centre) * self.scale
-
-    def origins(self, points: NDArray, normals: NDArray, extent: float) -> NDArray[np.float32]:
-        """Ray origins (n, 3) just off the surface at world ``points`` (n, 3), along unit ``normals``.
+    def origins(self, positions: NDArray, normals: NDArray, extent: float) -> NDArray[np.float64]:
+        """Where rays start (3, ...), in the units that Embree sees: just off the surface at world ``positions``
+        (3, ...), along unit ``normals``.
 
         ``extent`` is the size of the baked object in world units. The offset is local to it, so that a small prop in a
         wide landscape keeps its contacts.
         """
-        local = self.to_scene(points)
-        away = OFFSET * extent * self.scale + OFFSET_PER_COORDINATE * np.abs(local).max(axis=1, keepdims=True)
-        return (local + away * normals).astype(np.float32)
+        local = np.stack([(axis - middle) * self.scale for axis, middle in zip(positions, self.centre, strict=True)])
+        away = OFFSET * extent * self.scale + OFFSET_PER_COORDINATE * np.abs(local).max(axis=0)
+        local += away * normals
+        return local
 
     def visibility(
-        self, origins: NDArray[np.float32], directions: NDArray[np.float32], obscurance: Obscurance
+        self,
+        origins: NDArray[np.float32],
+        directions: NDArray[np.float32],
+        obscurance: Obscurance,
+        out: NDArray[np.float64] | None = None,
     ) -> NDArray[np.float64]:
-        """V of each ray: 1 escapes, 0 is blocked, between them rho(d). Arrays (r, 3) float32, result (r,) float64."""
-        if obscurance.needs_distance or obscurance.ignore_backfaces:
-            distance = self._nearest(origins, directions, obscurance)
-            if obscurance.needs_distance:
-                return obscurance.rho(distance)
-            return (distance > obscurance.reach).astype(np.float64)
-        visible = np.ones(len(origins))
+        """V of each ray: 1 escapes, 0 is blocked, between them rho(d). Arrays (r, 3) float32, result (r,) float64, in
+        ``out`` where it is given."""
+        visible = np.empty(len(origins)) if out is None else out
+        if obscurance.needs_distance:
+            visible[:] = obscurance.rho(self._nearest(origins, directions, obscurance))
+            return visible
+        if obscurance.ignore_backfaces:
+            np.greater(self._nearest(origins, directions, obscurance), obscurance.reach, out=visible)
+            return visible
         if self.triangle_count:
             far = None
             if np.isfinite(obscurance.max_distance):
                 far = np.full(len(origins), min(obscurance.max_distance * self.scale, 1e30), np.float32)
             blocked = self._scene.run(origins, directions, dists=far, query="OCCLUDED")
             np.negative(blocked, out=visible)  # Embree's answer: -1 a miss, 0 a hit
+        else:
+            visible.fill(1.0)
         if self.ground_height is not None:
             visible[self._ground(origins, directions) <= obscurance.reach] = 0.0
         return visible

@@ -109,18 +109,22 @@ def _pcg_hash(x: NDArray[np.uint32]) -> NDArray[np.uint32]:
     return (word >> np.uint32(22)) ^ word
 
 
-def frames(normals: NDArray, turn: NDArray) -> NDArray[np.float64]:
-    """Orthonormal frames about unit ``normals`` (n, 3), turned by ``turn`` (n,) radians: (n, 3, 3), rows x, y, z =
-    normal.
+def frames(normals: NDArray, turn: NDArray) -> NDArray[np.float32]:
+    """Orthonormal frames about unit ``normals`` (3, ...), turned by ``turn`` (...) radians, which broadcasts.
 
-    ``pattern @ frames[i]`` takes local directions to those of point i. Tangents by Duff et al. 2017, "Building an
-    Orthonormal Basis, Revisited".
+    Shape (..., 3, 3), rows x, y, z = normal: ``pattern @ frame`` takes local directions to the world. Tangents by Duff
+    et al. 2017, "Building an Orthonormal Basis, Revisited".
     """
-    x, y, z = np.asarray(normals, np.float64).T
+    x, y, z = normals
     sign = np.copysign(1.0, z)
     a = -1.0 / (sign + z)
     b = x * y * a
-    tangent = np.stack((1.0 + sign * x * x * a, sign * b, -sign * x), axis=1)
-    bitangent = np.stack((b, sign + y * y * a, -y), axis=1)
-    cos, sin = np.cos(turn)[:, None], np.sin(turn)[:, None]
-    return np.stack((cos * tangent + sin * bitangent, cos * bitangent - sin * tangent, normals), axis=1)
+    tangent = (1.0 + sign * x * x * a, sign * b, -sign * x)
+    bitangent = (b, sign + y * y * a, -y)
+    cos, sin = np.cos(turn), np.sin(turn)
+    result = np.empty((*x.shape, 3, 3), np.float32)
+    for axis in range(3):
+        result[..., 0, axis] = cos * tangent[axis] + sin * bitangent[axis]
+        result[..., 1, axis] = cos * bitangent[axis] - sin * tangent[axis]
+        result[..., 2, axis] = normals[axis]
+    return result

@@ -42,22 +42,7 @@ class Surface:
     @property
     def extent(self) -> float:
         """Longest side of the faces' bounding box, world units. Loose vertices do not count."""
-        return float(np.ptp(self.vertices[self.corner_vertex], axis=0).max())
-
-    def positions_at(self, triangle: NDArray[np.integer], barycentric: NDArray) -> NDArray[np.float64]:
-        """Points (k, 3) at ``barycentric`` (k, 3) of triangles (k,)."""
-        corners = self.vertices[self.corner_vertex[self.triangles[triangle]]]
-        return np.einsum("kc,kcx->kx", barycentric, corners)
-
-    def normals_at(self, triangle: NDArray[np.integer], barycentric: NDArray) -> NDArray[np.float64]:
-        """Smooth unit normals (k, 3); the triangle's own where the corners' cancel out."""
-        normals = np.einsum("kc,kcx->kx", barycentric, self.corner_normals[self.triangles[triangle]])
-        length = np.linalg.norm(normals, axis=1)
-        flat = np.flatnonzero(length < 1e-6)
-        if len(flat):
-            a, b, c = np.moveaxis(self.vertices[self.corner_vertex[self.triangles[triangle[flat]]]], 1, 0)
-            normals[flat] = np.cross(b - a, c - a)
-        return unit(normals)
+        return extent_of(self.vertices, self.corner_vertex)
 
     def barycentric_at(self, triangle: NDArray[np.integer], points: NDArray) -> NDArray[np.float64]:
         """Barycentric coordinates (k, 3) of world ``points`` (k, 3) that lie on triangles (k,); those without area give
@@ -92,6 +77,13 @@ class Surface:
         return self.vertices[self.corner_vertex[first]] + INSET * inset, self.corner_normals[first], split
 
 
+def extent_of(vertices: NDArray, used: NDArray[np.integer]) -> float:
+    """Longest side of the bounding box of those ``vertices`` (n, 3) that the indices ``used`` name."""
+    is_used = np.zeros(len(vertices), bool)
+    is_used[used] = True
+    return max(float(np.ptp(axis[is_used])) for axis in np.asarray(vertices).T)
+
+
 def unit(vectors: NDArray) -> NDArray[np.float64]:
     """``vectors`` (n, 3) of length 1; +z for those without a direction."""
     vectors = np.asarray(vectors, np.float64)
@@ -124,8 +116,3 @@ def _direction(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
     """``vectors`` (n, 3) at length 1, those of no length as they are."""
     length = np.linalg.norm(vectors, axis=1, keepdims=True)
     return np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0.0)
-
-
-def inset_barycentric(barycentric: NDArray[np.float64]) -> NDArray[np.float64]:
-    """``barycentric`` (k, 3) kept off the triangle's edges by :data:`INSET`."""
-    return (1.0 - INSET) * barycentric + INSET / 3.0

@@ -6,27 +6,32 @@
     bent  = mean of the visible directions, not normalised    (integral of V(w) w dw) / (integral of V(w) dw)
 
 with V = 1 where a ray escapes, or rho(d) for obscurance ("Real-Time Rendering", 4th ed., sections 11.3.1 and 11.3.2).
-All come from the same rays. Points are taken along a Morton curve in blocks that stay in the cache, a thread a core
-(Embree runs without Python's lock); nothing is kept a ray, so memory is that of the block whatever the sample count.
+All come from the same rays. Points are taken along a space-filling curve in blocks that stay in the cache, a thread a
+core (Embree runs without Python's lock); nothing is kept a ray, so memory does not follow the sample count.
 """
 
 from __future__ import annotations
 
-import os
+import threading
 from collections.abc import Generator
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .morton import morton_order
 from .rays import Obscurance, Occluders
+from .sample_points import SamplePoints
 from .sampling import Pattern, frames, turns
+from .workers import Workers
 
-# Rays in flight a thread: under 1 MB, and few enough that BLAS sums a block without waking threads of its own beside
-# ours. Fixed, because results must not depend on the machine.
+# Rays in flight a thread, few enough for the cache. Fixed, because results must not depend on the machine.
 RAYS_PER_BLOCK = 2**15
+# Places prepared and summed up at once, at about 100 bytes each. Numpy calls between traced blocks would each find the
+# cache full of Embree's tree, so what needs many calls is done for many blocks together, in chunks.
+PLACES_PER_WINDOW = 2**18
+PLACES_PER_CHUNK = 2**13
+# Multiplications of a matrix product up to which OpenBLAS stays in the calling thread; the others have work already.
+SERIAL_PRODUCT = 2**18
 
 
 @dataclass(frozen=True)
@@ -40,70 +45,117 @@ class Visibility:
 
 def trace_visibility(
     occluders: Occluders,
-    points: NDArray,
-    normals: NDArray,
+    points: SamplePoints,
     pattern: Pattern,
     *,
     extent: float,
     obscurance: Obscurance | None = None,
     seed: int = 0,
-    first_index: int = 0,
     threads: int | None = None,
 ) -> Generator[int, None, Visibility]:
     """Trace ``pattern`` from each point; yields the number of points done so far, returns their :class:`Visibility`.
 
-    points, normals  (n, 3) float, world space; normals of unit length
-    extent           size of the surface they lie on, which the ray offset is a fraction of
-    seed             turns the pattern; equal seeds give equal bits, whatever the number of threads
-    first_index      number of the first point, where a surface is traced a part at a time
-    threads          default: one a core
+    extent   size of the surface that the points lie on, world units: the ray offset is a fraction of it
+    seed     turns the pattern; equal seeds give equal bits, whatever the number of threads
+    threads  default: one a core
 
     Closing the generator stops after the blocks in flight.
     """
-    points, normals = np.asarray(points, np.float64), np.asarray(normals, np.float64)
     obscurance = obscurance or Obscurance()
-    order = morton_order(points)
-    samples = len(pattern.directions)
-    step = max(1, RAYS_PER_BLOCK // samples)
-    blocks = [order[start : start + step] for start in range(0, len(order), step)]
-    local = pattern.directions.astype(np.float32)
-    weights = _weights(pattern)
+    order, places = points.order(), points.places
+    directions, weights = _deal(pattern, places)
+    # Turned directions as one product: (.., 9) entries of a frame by (places, 9, 3r), where numpy's batch of 3x3
+    # products takes three times as long.
+    to_rays = np.stack([np.kron(each.T, np.eye(3)) for each in directions]).astype(np.float32)
+    rays_per_place = directions.shape[1]
+    block_size = max(1, RAYS_PER_BLOCK // (places * rays_per_place))
+    rows = max(1, SERIAL_PRODUCT // (to_rays.shape[1] * to_rays.shape[2]))
+    window_size = max(block_size, PLACES_PER_WINDOW // places // block_size * block_size)
+    buffers = threading.local()
     result = Visibility(
         np.empty(len(points), np.float32), np.empty(len(points), np.float32), np.empty((len(points), 3), np.float32)
     )
 
-    def trace(block: NDArray[np.intp]) -> int:
-        normal = normals[block]
-        turned = frames(normal, turns(first_index + block, seed))
-        directions = np.matmul(local, turned.astype(np.float32)).reshape(-1, 3)
-        origins = np.repeat(occluders.origins(points[block], normal, extent), samples, axis=0)
-        visible = occluders.visibility(origins, directions, obscurance).reshape(-1, samples)
-        sums = visible @ weights
-        f0, alpha = sums[:, 0], sums[:, 1]
-        mean = np.divide(sums[:, 2:], alpha[:, None], out=np.zeros((len(block), 3)), where=alpha[:, None] > 0.0)
-        result.f0[block] = f0
-        result.alpha[block] = alpha
-        result.bent[block] = np.einsum("ni,nij->nj", mean, turned)
-        return len(block)
+    def trace_window(workers: Workers, window: NDArray[np.intp]) -> Generator[int, None, None]:
+        size = len(window)
+        start = np.empty((size, places, 3), np.float32)
+        frame = np.empty((size, places, 3, 3), np.float32)
+        sums = np.empty((size, places, weights.shape[2]))
 
-    with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
-        done = 0
-        try:
-            for count in pool.map(trace, blocks):
-                done += count
-                yield done
-        finally:
-            pool.shutdown(wait=True, cancel_futures=True)
+        def prepare(part: slice) -> int:
+            positions, normals = points.at(window[part])
+            start[part] = np.moveaxis(occluders.origins(positions, normals, extent), 0, 2)
+            frame[part] = frames(normals, turns(points.number(window[part]), seed)[:, None])
+            return 0
+
+        def trace(part: slice) -> int:
+            count = part.stop - part.start
+            if not hasattr(buffers, "rays"):
+                buffers.rays = np.empty((2, block_size, places, rays_per_place, 3), np.float32)
+                buffers.visible = np.empty(block_size * places * rays_per_place)
+            origins, directions = buffers.rays[:, :count]
+            _triples(origins)[...] = _triples(start[part])[..., None]
+            by_place = directions.reshape(count, places, -1).swapaxes(0, 1)
+            turned = frame[part].reshape(count, places, 9).swapaxes(0, 1)
+            for row in range(0, count, rows):
+                np.matmul(turned[:, row : row + rows], to_rays, out=by_place[:, row : row + rows])
+            visible = buffers.visible[: origins.size // 3]
+            occluders.visibility(origins.reshape(-1, 3), directions.reshape(-1, 3), obscurance, out=visible)
+            np.matmul(visible.reshape(count, places, -1).swapaxes(0, 1), weights, out=sums[part].swapaxes(0, 1))
+            return count
+
+        def sum_up(part: slice) -> int:
+            f0, alpha = sums[part, :, 0].sum(axis=1), sums[part, :, 1].sum(axis=1)
+            local, axes = np.moveaxis(sums[part, :, 2:], 2, 0), np.moveaxis(frame[part], (2, 3), (0, 1))
+            bent = np.stack([(local * axes[:, axis]).sum(axis=(0, 2)) for axis in range(3)], axis=1)
+            result.f0[window[part]] = f0
+            result.alpha[window[part]] = alpha
+            result.bent[window[part]] = np.divide(
+                bent, alpha[:, None], out=np.zeros_like(bent), where=alpha[:, None] > 0.0
+            )
+            return 0
+
+        chunks = _slices(size, max(1, PLACES_PER_CHUNK // places))
+        yield from workers.run(prepare, chunks)
+        yield from workers.run(trace, _slices(size, block_size))
+        for _ in workers.run(sum_up, chunks):
+            yield size
+
+    done = 0
+    with Workers(threads) as workers:
+        for part in _slices(len(order), window_size):
+            for count in trace_window(workers, order[part]):
+                yield done + count
+            done += count
     return result
 
 
-def _weights(pattern: Pattern) -> NDArray[np.float64]:
-    """(S, 5): what a visible ray adds to F0, alpha and the mean direction's x, y, z.
+def _triples(vectors: NDArray[np.float32]) -> NDArray[np.void]:
+    """Vectors (..., 3) as (...) elements: numpy copies those in one go."""
+    return vectors.view(np.dtype((np.void, 12)))[..., 0]
 
-    Multiples of 2^-40, like the pattern's own weights, so that the product sums them without rounding in any order. The
-    pattern's directions are not quite balanced about the normal; taking their mean x and y from each (a control
-    variate) makes an open point's bent direction its normal.
+
+def _slices(count: int, size: int) -> list[slice]:
+    """Consecutive slices of ``size``, the last one shorter, that make up ``count``."""
+    return [slice(start, min(start + size, count)) for start in range(0, count, size)]
+
+
+def _deal(pattern: Pattern, places: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The rays of each place: directions (places, r, 3) and weights (places, r, 5), zero for rays that only fill up.
+
+    Every place gets each ``places``-th direction, which covers the hemisphere like the whole. A place's rays go around
+    its normal, so that one finds in the cache what the last one met.
+
+    The weights say what a visible ray adds to F0, alpha and the mean direction's x, y, z. They are multiples of 2^-40,
+    like the pattern's own, so that the product sums them without rounding in any order. The pattern's directions are
+    not quite balanced about the normal; taking their mean x and y from each (a control variate) makes an open point's
+    bent direction its normal.
     """
     sideways = pattern.uniform @ (pattern.directions * (1.0, 1.0, 0.0))
-    directions = (pattern.directions - sideways) * pattern.uniform[:, None]
-    return np.column_stack((pattern.cosine, pattern.uniform, np.rint(directions * 2.0**40) / 2.0**40))
+    bent = np.rint((pattern.directions - sideways) * pattern.uniform[:, None] * 2.0**40) / 2.0**40
+    weights = np.column_stack((pattern.cosine, pattern.uniform, bent))
+    count = len(weights)
+    azimuth = np.arctan2(pattern.directions[:, 1], pattern.directions[:, 0])
+    dealt = np.arange(-(-count // places) * places).reshape(-1, places).T
+    dealt = np.take_along_axis(dealt, np.argsort(azimuth[dealt % count], axis=1, kind="stable"), axis=1)
+    return pattern.directions[dealt % count], np.where(dealt[..., None] < count, weights[dealt % count], 0.0)

@@ -3,8 +3,8 @@
 
 The doors: bake.py, clear.py, add_nodes.py, command_line.py, with ``settings`` and ``poll``.
 The bake:  bake_job.py, which passes data through
-    in     ``object_checks``, ``mesh_reader``, ``occluder_reader`` into ``occluder_scenes``, ``uv_layout``,
-           ``nearest_point``
+    in     ``object_checks``, ``mesh_reader``, ``occluder_reader`` into ``occluder_scenes`` by ``occluder_cache``,
+           ``uv_layout``, ``nearest_point``
     rays   ``vertex_target`` or ``texture_target``
     out    attributes, ``images``, ``bake_record``, ``object_materials`` with ``material_nodes``, ``report``
 """

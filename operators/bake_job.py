@@ -70,7 +70,7 @@ def bake(
         if settings.target == "VERTEX" and obj.data in baked_meshes:
             _share(baked_meshes[obj.data], report)
         else:
-            work = _bake_object(context, obj, settings, folder, scenes, trace, report)
+            work = _bake_object(context, obj, settings, folder, scenes, trace, report, threads)
             try:
                 result = yield from mapped(work, partial(_progress, index, len(objects), obj.name))
             except BakeError as error:
@@ -109,6 +109,7 @@ def _bake_object(
     scenes: OccluderScenes,
     trace,
     report: ObjectReport,
+    threads: int | None,
 ) -> Generator[float, None, VertexResult | TextureResult]:
     """Compute the bake of one object; yields the fraction done. Raises BakeError."""
     check_object(obj, context.view_layer)
@@ -125,7 +126,7 @@ def _bake_object(
             check_image_names(obj)
             uv_map = uv_map_name(mesh, settings.uv_map)
             work = bake_texture(
-                obj, read_surface(mesh, matrix, uv_map), uv_map, matrix, trace, report, settings, folder
+                obj, read_surface(mesh, matrix, uv_map), uv_map, matrix, trace, report, settings, folder, threads
             )
     return (yield from work)
 

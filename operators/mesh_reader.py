@@ -32,18 +32,31 @@ def evaluated_mesh(evaluated: bpy.types.Object) -> Iterator[bpy.types.Mesh | Non
 def read(collection, attribute: str, width: int, dtype: type) -> NDArray:
     """``attribute`` of every element, as (n, width), or (n,) where ``width`` is 1."""
     values = np.empty(len(collection) * width, dtype)
-    collection.foreach_get(attribute, values)
+    if len(values):
+        collection.foreach_get(attribute, values)
     return values if width == 1 else values.reshape(-1, width)
 
 
 def read_positions(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
     """Vertex positions (n, 3), object space."""
-    return read(mesh.vertices, "co", 3, np.float32)
+    return _read_attribute(mesh, "position", "vector", 3, np.float32)
 
 
 def read_corner_vertices(mesh: bpy.types.Mesh) -> NDArray[np.int32]:
     """The vertex (c,) of each face corner."""
-    return read(mesh.loops, "vertex_index", 1, np.int32)
+    return _read_attribute(mesh, ".corner_vert", "value", 1, np.int32)
+
+
+def _read_attribute(mesh: bpy.types.Mesh, name: str, prop: str, width: int, dtype: type) -> NDArray:
+    """An attribute is copied as it lies in memory; the properties of vertices and loops that show the same are asked
+    for one by one."""
+    attribute = mesh.attributes.get(name)  # none where the mesh has no such element
+    return read(attribute.data if attribute else (), prop, width, dtype)
+
+
+def read_triangles(mesh: bpy.types.Mesh) -> NDArray[np.int32]:
+    """Corners (m, 3) of the triangles that the faces are drawn as."""
+    return read(mesh.loop_triangles, "loops", 3, np.int32)
 
 
 def to_world(points: NDArray, matrix: NDArray) -> NDArray[np.float64]:
@@ -77,12 +90,13 @@ def front_facing(triangles: NDArray[np.int32], matrix: NDArray) -> NDArray[np.in
 def read_surface(mesh: bpy.types.Mesh, matrix: NDArray, uv_map: str | None = None) -> Surface:
     """``mesh`` in world space; ``uv_map`` must exist. Raises BakeError for a ``matrix`` with zero scale."""
     uv = None if uv_map is None else read(mesh.uv_layers[uv_map].uv, "vector", 2, np.float32).astype(np.float64)
+    face_start = read(mesh.polygons, "loop_start", 1, np.int32)
     return Surface(
         vertices=to_world(read_positions(mesh), matrix),
         corner_vertex=read_corner_vertices(mesh),
         corner_normals=unit(read(mesh.corner_normals, "vector", 3, np.float32) @ linear_inverse(matrix)),
-        triangles=front_facing(read(mesh.loop_triangles, "loops", 3, np.int32), matrix),
-        face_start=read(mesh.polygons, "loop_start", 1, np.int32),
-        face_size=read(mesh.polygons, "loop_total", 1, np.int32),
+        triangles=front_facing(read_triangles(mesh), matrix),
+        face_start=face_start,
+        face_size=np.diff(face_start, append=np.int32(len(mesh.loops))),
         corner_uv=uv,
     )

@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from .mesh_reader import evaluated_mesh, front_facing, read, read_positions, to_world
+from .mesh_reader import evaluated_mesh, front_facing, read_corner_vertices, read_positions, read_triangles, to_world
 
 # Objects that evaluate to faces.
 SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
@@ -77,7 +77,7 @@ def _read_local(evaluated: bpy.types.Object) -> tuple[NDArray[np.float32], NDArr
     with evaluated_mesh(evaluated) as mesh:
         if mesh is None:
             return np.empty((0, 3), np.float32), np.empty((0, 3), np.int32)
-        return read_positions(mesh), read(mesh.loop_triangles, "vertices", 3, np.int32)
+        return read_positions(mesh), read_corner_vertices(mesh)[read_triangles(mesh)]
 
 
 def rendered_objects(view_layer: bpy.types.ViewLayer) -> set[bpy.types.Object]:

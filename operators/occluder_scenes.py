@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..core.rays import Occluders
 from .mesh_reader import evaluated_mesh, read_corner_vertices, read_positions, to_world
+from .occluder_cache import occluders_of
 from .occluder_reader import read_occluders, rendered_objects
 from .settings import BakeSettings
 
@@ -64,7 +65,7 @@ class OccluderScenes:
     def _build(self, owners: frozenset[bpy.types.Object], centre: NDArray | None = None) -> None:
         self._scene = None  # freed before the next is built
         vertices, triangles, self._warnings = read_occluders(self._context.evaluated_depsgraph_get(), owners)
-        self._scene = Occluders(vertices, triangles, self._ground, centre)
+        self._scene = occluders_of(vertices, triangles, self._ground, centre)
         # One that is centred on an object is for that object alone.
         self._owners = owners if centre is None else frozenset()
 

@@ -21,7 +21,7 @@ class MultibounceAOSettings(bpy.types.PropertyGroup):
     )
     samples: IntProperty(
         name="Samples",
-        description="Rays traced from each point",
+        description="Rays traced from each point: 16 for a draft, 256 are clean, 1024 for what is looked at closely",
         default=256,
         min=1,
         max=2**16,

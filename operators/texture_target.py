@@ -14,6 +14,7 @@ from ..core.channels import bent_cone, fitted_bounces
 from ..core.exr import write_exr
 from ..core.margin import extend_margin
 from ..core.rasterise import bands, rasterise
+from ..core.sample_points import CornerTable, TexelPoints, texel_places
 from ..core.surface import Surface
 from .images import file_path, store_image
 from .mesh_reader import linear_inverse
@@ -53,11 +54,12 @@ def bake_texture(
     report: ObjectReport,
     settings: BakeSettings,
     folder: str,
+    threads: int | None,
 ) -> Generator[float, None, TextureResult]:
     """Bake the texels of ``obj``, whose evaluated ``surface`` has the UVs of ``uv_map``; yields the fraction done.
 
-    ``trace(positions, normals, extent=..., first_index=...)`` is :func:`core.visibility.trace_visibility` with its
-    scene and settings bound; ``matrix`` (4, 4) places the object. Raises BakeError where the UV map leaves nothing to
+    ``trace(points, extent=...)`` is :func:`core.visibility.trace_visibility` with its scene and settings bound;
+    ``matrix`` (4, 4) places the object; ``threads`` rasterise. Raises BakeError where the UV map leaves nothing to
     bake.
     """
     triangle_uv = surface.corner_uv[surface.triangles]
@@ -68,16 +70,13 @@ def bake_texture(
     bounces = np.zeros((size * size, 4), np.float32)
     cone = np.zeros((size * size, 4), np.float32)
     covered = np.zeros(size * size, bool)
-    for first, last in bands(size, size):
-        texels = rasterise(triangle_uv, size, size, (first, last))
+    places = texel_places(settings.samples)
+    corners = CornerTable(surface)
+    for first, last in bands(size, size, places):
+        texels = rasterise(triangle_uv, size, size, places, (first, last), threads)
         if not len(texels.texel):
             continue
-        tracing = trace(
-            surface.positions_at(texels.triangle, texels.barycentric),
-            surface.normals_at(texels.triangle, texels.barycentric),
-            extent=surface.extent,
-            first_index=report.points,
-        )
+        tracing = trace(TexelPoints(corners, texels, size), extent=surface.extent)
         rows = (last - first) / len(texels.texel)
         visibility = yield from mapped(tracing, lambda done, first=first, rows=rows: (first + done * rows) / size)
         bounces[texels.texel] = fitted_bounces(visibility)

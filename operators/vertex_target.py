@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.channels import bent_cone, fitted_bounces
-from ..core.surface import unit
+from ..core.sample_points import CornerTable, SurfacePoints
+from ..core.surface import extent_of, unit
 from .mesh_reader import linear_inverse, read, read_corner_vertices, read_positions, read_surface, to_world
 from .names import BENT_CONE, CHANNELS, MULTIBOUNCE_AO
 from .nearest_point import nearest_points
@@ -66,8 +67,7 @@ def bake_vertices(
 ) -> Generator[float, None, VertexResult]:
     """Trace the ``points`` of ``mesh``, which ``matrix`` (4, 4) places in the world; yields the fraction done.
 
-    ``trace(positions, normals, extent=...)`` is :func:`core.visibility.trace_visibility` with its scene and settings
-    bound.
+    ``trace(points, extent=...)`` is :func:`core.visibility.trace_visibility` with its scene and settings bound.
     """
     report.points = len(points.positions)
     if points.moved is not None:
@@ -76,7 +76,7 @@ def bake_vertices(
             "Modifiers change the topology: the original vertices were baked at the nearest point of the modified "
             f"surface, {away}"
         )
-    tracing = trace(points.positions, points.normals, extent=points.extent)
+    tracing = trace(SurfacePoints(points.positions, points.normals), extent=points.extent)
     visibility = yield from mapped(tracing, lambda done: done / report.points)
     report.f0 = statistics(visibility.f0)
     return VertexResult(
@@ -102,11 +102,11 @@ def vertex_points(obj: bpy.types.Object, evaluated: bpy.types.Mesh, matrix: NDAr
     positions = surface.vertices[: len(mesh.vertices)] if _vertices_come_first(obj) else None
     points = points_of(mesh, matrix, positions)
     triangle, barycentric = nearest_points(points.positions, points.normals, surface)
-    positions = surface.positions_at(triangle, barycentric)
+    positions, normals = (each.T for each in CornerTable(surface).at(triangle, barycentric[:, 1], barycentric[:, 2]))
     return replace(
         points,
         positions=positions,
-        normals=surface.normals_at(triangle, barycentric),
+        normals=normals,
         extent=surface.extent,
         moved=float(np.linalg.norm(positions - points.positions, axis=1).max()),
     )
@@ -125,7 +125,7 @@ def _vertices(mesh: bpy.types.Mesh, matrix: NDArray, positions: NDArray | None =
     if positions is None:
         positions = to_world(read_positions(mesh), matrix)
     normals = unit(read(mesh.vertex_normals, "vector", 3, np.float32) @ linear_inverse(matrix))
-    extent = float(np.ptp(positions[read_corner_vertices(mesh)], axis=0).max())
+    extent = extent_of(positions, read_corner_vertices(mesh))
     return VertexPoints(positions, normals, np.arange(len(positions)), "POINT", extent)
 
 

@@ -11,6 +11,10 @@ from ..operators.names import PROPERTY
 from ..operators.report import count_text
 
 
+# Draft shows in a blink whether the settings are right; Good is clean to a careful eye, and the default.
+SAMPLES = {"Draft": 16, "Good": 256, "Final": 1024}
+
+
 class _SidebarPanel:
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
@@ -34,12 +38,19 @@ class MULTIBOUNCE_AO_PT_bake(_SidebarPanel, bpy.types.Panel):
         column = self._column(self.layout)
         column.row().prop(settings, "target", expand=True)
         column.prop(settings, "samples")
+        self._qualities(column.row(align=True), settings.samples)
         column.prop(settings, "bounces")
         column.prop(settings, "use_material_nodes")
 
         row = self.layout.row(align=True)
         row.operator("multibounce_ao.add_nodes", text="Add Nodes", icon="NODE_MATERIAL")
         row.operator("multibounce_ao.clear", text="Clear", icon="TRASH")
+
+    def _qualities(self, row: bpy.types.UILayout, current: int) -> None:
+        for name, samples in SAMPLES.items():
+            button = row.operator("wm.context_set_int", text=name, depress=samples == current)
+            button.data_path = "scene.multibounce_ao.samples"
+            button.value = samples
 
 
 class MULTIBOUNCE_AO_PT_occlusion(_SidebarPanel, bpy.types.Panel):

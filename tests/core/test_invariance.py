@@ -4,12 +4,10 @@
 import numpy as np
 import pytest
 
-from core.rays import Occluders
-from core.sampling import hemisphere_pattern
-from core.visibility import RAYS_PER_BLOCK, trace_visibility
+from core.visibility import RAYS_PER_BLOCK
 
 from .shapes import bumpy, vertex_normals
-from .tracing import finish, see
+from .tracing import see
 
 VERTICES, TRIANGLES = bumpy()
 NORMALS = vertex_normals(VERTICES, TRIANGLES)
@@ -69,13 +67,3 @@ def test_threads_do_not_change_a_bit():
         for channel in ("f0", "alpha", "bent"):
             assert getattr(seen, channel).tobytes() == getattr(results[0], channel).tobytes()
     assert bumpy_f0(seed=4).f0.tobytes() != results[0].f0.tobytes()
-
-
-def test_a_surface_may_be_traced_in_parts():
-    occluders, pattern = Occluders(VERTICES, TRIANGLES), hemisphere_pattern(16)
-    whole = finish(trace_visibility(occluders, VERTICES, NORMALS, pattern, extent=EXTENT, seed=5))
-    for first, last in ((0, 1000), (1000, len(VERTICES))):
-        part = trace_visibility(
-            occluders, VERTICES[first:last], NORMALS[first:last], pattern, extent=EXTENT, seed=5, first_index=first
-        )
-        assert finish(part).f0.tobytes() == whole.f0[first:last].tobytes()

@@ -4,6 +4,7 @@
 import numpy as np
 
 from core.rays import Occluders
+from core.sample_points import SurfacePoints
 from core.sampling import hemisphere_pattern
 from core.visibility import trace_visibility
 
@@ -21,5 +22,5 @@ def see(mesh, points, normals, samples=1024, extent=1.0, ground_height=None, **o
     """Visibility of ``points`` against ``mesh`` (vertices, triangles)."""
     points = np.atleast_2d(np.asarray(points, float))
     normals = np.broadcast_to(np.asarray(normals, float), points.shape)
-    occluders = Occluders(*mesh, ground_height)
-    return finish(trace_visibility(occluders, points, normals, hemisphere_pattern(samples), extent=extent, **options))
+    occluders, points = Occluders(*mesh, ground_height), SurfacePoints(points, normals)
+    return finish(trace_visibility(occluders, points, hemisphere_pattern(samples), extent=extent, **options))

@@ -14,11 +14,15 @@ _PROPERTIES = bpy.types.UILayout.bl_rna.properties
 
 @dataclass
 class Drawn:
-    """One thing that a panel shows. ``active`` is False where it is greyed out, by itself or by what holds it."""
+    """One thing that a panel shows. ``active`` is False where it is greyed out, by itself or by what holds it.
+
+    ``options`` are what a button gives its operator.
+    """
 
     kind: str
     name: str
     layout: Layout
+    options: SimpleNamespace | None = None
 
     @property
     def active(self) -> bool:
@@ -64,8 +68,9 @@ class Layout:
             elif name == "operator":
                 module, _, operator = given["operator"].partition(".")
                 operator = getattr(getattr(bpy.ops, module), operator)
-                self.drawn.append(Drawn("operator", given["operator"], self))
-                return SimpleNamespace(**dict.fromkeys(operator.get_rna_type().properties.keys()))
+                chosen = SimpleNamespace(**dict.fromkeys(operator.get_rna_type().properties.keys()))
+                self.drawn.append(Drawn("operator", given["operator"], self, chosen))
+                return chosen
             elif name == "label":
                 self.drawn.append(Drawn("label", given.get("text", ""), self))
             elif name in ("row", "column", "split", "box", "grid_flow"):

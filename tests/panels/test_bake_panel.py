@@ -49,12 +49,22 @@ def test_every_setting_and_operator_is_there_once(panels, active):
     assert len(names) == len(set(names))
     known = {p.identifier for p in bpy.context.scene.multibounce_ao.bl_rna.properties}
     assert set(names) == known - {"rna_type", "name"}
-    assert {thing.name for thing in drawn if thing.kind == "operator"} == OPERATORS
+    assert {thing.name for thing in drawn if thing.kind == "operator"} == {*OPERATORS, "wm.context_set_int"}
 
 
 def test_the_button_comes_first(panels):
     first = everything(panels)[0]
     assert (first.kind, first.name) == ("operator", "multibounce_ao.bake")
+
+
+def test_buttons_set_the_samples(panels):
+    buttons = [thing.options for thing in everything(panels) if thing.name == "wm.context_set_int"]
+    chosen = []
+    for button in buttons:
+        assert bpy.ops.wm.context_set_int(data_path=button.data_path, value=button.value) == {"FINISHED"}
+        chosen.append(bpy.context.scene.multibounce_ao.samples)
+    default = bpy.context.scene.multibounce_ao.bl_rna.properties["samples"].default
+    assert chosen[0] < default < chosen[-1] and default in chosen
 
 
 def test_what_does_not_apply_is_grey(panels):

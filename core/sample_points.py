@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where rays start: points at vertices, or places spread over the area of texels.
+
+Both answer the ray loop alike. A point has K places on the surface that share its rays evenly: a vertex one, a texel as
+many as it takes to stand for its area. Positions and normals come a block at a time, axis first, so that numpy runs
+along the points and memory does not follow the image.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .morton import morton_order
+from .rasterise import Texels
+from .surface import INSET, Surface
+
+# Side of the square of texels that is traced together: most of its texels lie on one piece of the surface.
+TILE = 32
+
+
+class SamplePoints(Protocol):
+    """n points of a surface, each with ``places`` positions that share its rays."""
+
+    places: int
+
+    def __len__(self) -> int: ...
+
+    def order(self) -> NDArray[np.intp]:
+        """All points, (n,), so that neighbours in the list are neighbours on the surface."""
+
+    def number(self, block: NDArray[np.intp]) -> NDArray[np.integer]:
+        """What the points (b,) are called, whoever traces them and with which others: it turns their pattern."""
+
+    def at(self, block: NDArray[np.intp]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """World positions and unit normals, each (3, b, places), of the points (b,)."""
+
+
+class SurfacePoints:
+    """One place a point.
+
+    positions, normals  (n, 3) float, world space; normals of unit length
+    """
+
+    places = 1
+
+    def __init__(self, positions: NDArray, normals: NDArray):
+        self.positions = np.asarray(positions, np.float64)
+        self.normals = np.asarray(normals, np.float64)
+
+    def __len__(self) -> int:
+        return len(self.positions)
+
+    def order(self) -> NDArray[np.intp]:
+        return morton_order(self.positions)
+
+    def number(self, block: NDArray[np.intp]) -> NDArray[np.intp]:
+        return block
+
+    def at(self, block: NDArray[np.intp]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        return self.positions[block].T[:, :, None], self.normals[block].T[:, :, None]
+
+
+class TexelPoints:
+    """The ``texels`` of an image of ``width``, on a surface whose triangles they name."""
+
+    def __init__(self, corners: CornerTable, texels: Texels, width: int):
+        self._corners, self._texels, self._width = corners, texels, width
+        self.places = texels.triangle.shape[1]
+
+    def __len__(self) -> int:
+        return len(self._texels.texel)
+
+    def order(self) -> NDArray[np.intp]:
+        row, column = np.divmod(self._texels.texel, self._width)
+        tile = (row // TILE) * -(-self._width // TILE) + column // TILE
+        # 16 bits where they do: numpy then sorts by radix.
+        return np.argsort((tile - tile.min(initial=0)).astype(np.min_scalar_type(tile.max(initial=0))), kind="stable")
+
+    def number(self, block: NDArray[np.intp]) -> NDArray[np.integer]:
+        return self._texels.texel[block]
+
+    def at(self, block: NDArray[np.intp]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        v, w = np.moveaxis(self._texels.weights[block], 2, 0).astype(np.float64)
+        return self._corners.at(self._texels.triangle[block], v, w)
+
+
+def texel_places(samples: int) -> int:
+    """How many places of a texel share its ``samples`` rays: as many as each has rays, up to 16."""
+    return max(1, min(16, math.isqrt(samples)))
+
+
+class CornerTable:
+    """Positions and normals of the triangles' corners of a :class:`Surface`, laid out to be looked up fast.
+
+    Each (3 corners, 3 axes, m) float64.
+    """
+
+    def __init__(self, surface: Surface):
+        self._positions = _corners_first(surface.vertices[surface.vertex_triangles])
+        self._normals = _corners_first(surface.corner_normals[surface.triangles])
+
+    def at(
+        self, triangle: NDArray[np.integer], v: NDArray[np.float64], w: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Positions and unit normals, each (3, ...), at the barycentric weights ``v`` and ``w`` of the second and third
+        corner, kept off the triangles' edges by :data:`INSET`. All arguments have one shape (...)."""
+        v, w = (1.0 - INSET) * v + INSET / 3.0, (1.0 - INSET) * w + INSET / 3.0
+        u = 1.0 - v - w
+        triangle = triangle.astype(np.intp, copy=False)
+        positions, normals = self._interpolate(self._positions, triangle, u, v, w), None
+        normals = self._interpolate(self._normals, triangle, u, v, w)
+        length = np.sqrt(np.square(normals).sum(axis=0))
+        flat = length < 1e-6
+        if flat.any():
+            # Where the corners' normals cancel out: the triangle's own.
+            a, b, c = (np.stack([axis[triangle[flat]] for axis in corner]) for corner in self._positions)
+            normals[:, flat] = np.cross(b - a, c - a, axis=0)
+            length = np.sqrt(np.square(normals).sum(axis=0))
+        normals /= np.maximum(length, 1e-30)
+        normals[2][length < 1e-30] = 1.0
+        return positions, normals
+
+    @staticmethod
+    def _interpolate(table, triangle, u, v, w) -> NDArray[np.float64]:
+        (a, b, c), result = table, np.empty((3, *triangle.shape))
+        for axis in range(3):
+            np.multiply(a[axis].take(triangle), u, out=result[axis])
+            result[axis] += b[axis].take(triangle) * v
+            result[axis] += c[axis].take(triangle) * w
+        return result
+
+
+def _corners_first(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(m, 3 corners, 3 axes) as (3 corners, 3 axes, m)."""
+    return np.ascontiguousarray(np.moveaxis(corners, 0, 2))

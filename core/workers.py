@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A thread a core that take pieces of work from one list, while the caller hears now and then how far they are."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Generator, Sequence
+from concurrent.futures import ThreadPoolExecutor, wait
+from typing import TypeVar
+
+Part = TypeVar("Part")
+
+# Seconds between reports. Waking the caller for each piece would take Python's lock from the workers.
+REPORT_EVERY = 0.05
+
+
+class Workers:
+    """Threads for :meth:`run`, default one a core; a context manager that ends them."""
+
+    def __init__(self, threads: int | None = None):
+        self._threads = threads or os.cpu_count() or 1
+        self._pool = ThreadPoolExecutor(self._threads)
+
+    def __enter__(self) -> Workers:
+        return self
+
+    def __exit__(self, *_) -> None:
+        self._pool.shutdown()
+
+    def run(self, task: Callable[[Part], int], parts: Sequence[Part]) -> Generator[int, None, None]:
+        """Call ``task`` on each of ``parts``; yields the sum of what the calls have returned so far, at the end and
+        about twenty times a second until then.
+
+        Which thread gets which part is chance. An exception in a task ends the others and is raised here. Closing the
+        generator waits for the parts in hand and drops the rest.
+        """
+        left, results = iter(parts), []
+
+        def work() -> None:
+            try:
+                for part in left:  # one list iterator for all threads: Python's lock gives each part to one of them
+                    results.append(task(part))
+            finally:
+                drop()
+
+        def drop() -> None:
+            for _ in left:
+                pass
+
+        working = [self._pool.submit(work) for _ in range(min(self._threads, len(parts)))]
+        try:
+            while wait(working, REPORT_EVERY).not_done:
+                yield sum(results)
+            for finished in working:
+                finished.result()
+            yield sum(results)
+        finally:
+            drop()
+            wait(working)
