@@ -13,12 +13,13 @@ def morton_order(points: NDArray) -> NDArray[np.intp]:
     """Indices (n,) that sort ``points`` (n, 3), n < 2^32, along a Morton (Z-order) curve (Morton 1966)."""
     if len(points) == 0:
         return np.empty(0, np.intp)
-    low = points.min(axis=0)
-    scale = (2**BITS - 1) / max(float((points.max(axis=0) - low).max()), 1e-300)
+    axes = np.ascontiguousarray(points.T)
+    low = axes.min(axis=1)
+    scale = (2**BITS - 1) / max(float((axes.max(axis=1) - low).max()), 1e-300)
     spread = _spread_bits()
     code = np.zeros(len(points), np.uint64)
     for axis in range(3):
-        code |= spread[((points[:, axis] - low[axis]) * scale).astype(np.intp)] << np.uint64(axis)
+        code |= spread.take(((axes[axis] - low[axis]) * scale).astype(np.intp)) << np.uint64(axis)
     # The index in the low bits makes every key its own: sorting values is faster than sorting indices by them.
     key = code << np.uint64(32) | np.arange(len(points), dtype=np.uint64)
     key.sort()

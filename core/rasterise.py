@@ -119,7 +119,6 @@ class _Layout:
         triangle = owner.transpose(0, 2, 1).reshape(-1, places).take(texel, axis=0)
         at_rim = np.searchsorted(texel, rim_texel)
         triangle[at_rim] = rim_triangle[:, None]
-        full[rim_texel] = True
         row, column = np.divmod(texel, width)
         x, y = column[:, None] + self.pattern[:, 0], (row + first)[:, None] + self.pattern[:, 1]
         partly = np.flatnonzero(~full.take(texel))
@@ -176,8 +175,9 @@ def _prepare(triangle_uv: NDArray, width: int, height: int, places: int, first: 
 
 def _inside(held: NDArray[np.bool_]) -> NDArray[np.intp]:
     """For each place (k, K), itself where ``held``, else one that is, each of a texel's as often as the others."""
-    order = np.argsort(~held, axis=1, kind="stable")
-    turn = np.arange(held.shape[1]) % held.sum(axis=1)[:, None]
-    place = np.empty_like(order)
-    np.put_along_axis(place, order, np.take_along_axis(order, turn, axis=1), axis=1)
+    place = np.tile(np.arange(held.shape[1]), (len(held), 1))
+    count = held.sum(axis=1)
+    of, to_fill = np.nonzero(~held)
+    turn = np.arange(len(of)) - np.searchsorted(of, of)
+    place[of, to_fill] = place[held].take((np.cumsum(count) - count).take(of) + turn % count.take(of))
     return place

@@ -71,7 +71,7 @@ def _crossing(x0: NDArray, y0: NDArray, x1: NDArray, y1: NDArray, level: NDArray
     """x of the edges from (x0, y0) up to (x1, y1) at ``level``, never beyond their ends."""
     rise = y1 - y0
     along = np.divide(level - y0, rise, out=np.zeros_like(rise), where=rise > 0.0)
-    return x0 + np.clip(along, 0.0, 1.0) * (x1 - x0)
+    return np.clip(x0 + along * (x1 - x0), np.minimum(x0, x1), np.maximum(x0, x1))
 
 
 def _closest_on_outline(

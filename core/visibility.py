@@ -12,6 +12,7 @@ core (Embree runs without Python's lock); nothing is kept a ray, so memory does 
 
 from __future__ import annotations
 
+import math
 import threading
 from collections.abc import Generator
 from dataclasses import dataclass
@@ -91,8 +92,7 @@ def trace_visibility(
         def trace(part: slice) -> int:
             count = part.stop - part.start
             if not hasattr(buffers, "rays"):
-                buffers.rays = np.empty((2, block_size, places, rays_per_place, 3), np.float32)
-                buffers.visible = np.empty(block_size * places * rays_per_place)
+                buffers.rays, buffers.visible = _buffers((2, block_size, places, rays_per_place, 3))
             origins, directions = buffers.rays[:, :count]
             _triples(origins)[...] = _triples(start[part])[..., None]
             by_place = directions.reshape(count, places, -1).swapaxes(0, 1)
@@ -106,8 +106,9 @@ def trace_visibility(
 
         def sum_up(part: slice) -> int:
             f0, alpha = sums[part, :, 0].sum(axis=1), sums[part, :, 1].sum(axis=1)
-            local, axes = np.moveaxis(sums[part, :, 2:], 2, 0), np.moveaxis(frame[part], (2, 3), (0, 1))
-            bent = np.stack([(local * axes[:, axis]).sum(axis=(0, 2)) for axis in range(3)], axis=1)
+            # Points last, so that numpy runs along them.
+            local = np.ascontiguousarray(sums[part, :, 2:].T)
+            bent = (local[:, None] * np.ascontiguousarray(frame[part].transpose(2, 3, 1, 0))).sum(axis=(0, 2)).T
             result.f0[window[part]] = f0
             result.alpha[window[part]] = alpha
             result.bent[window[part]] = np.divide(
@@ -128,6 +129,14 @@ def trace_visibility(
                 yield done + count
             done += count
     return result
+
+
+def _buffers(shape: tuple[int, ...]) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
+    """For rays (2, ..., 3), origins and directions, and for the visibility of each, flat."""
+    rays = math.prod(shape) // 6
+    # For 4 MB and more numpy asks Linux for huge pages, which spare Embree's tree its place in the TLB.
+    memory = np.empty(max(2**23, 32 * rays), np.uint8)
+    return memory[: 24 * rays].view(np.float32).reshape(shape), memory[-8 * rays :].view(np.float64)
 
 
 def _triples(vectors: NDArray[np.float32]) -> NDArray[np.void]:
