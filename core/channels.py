@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import multibounce
+from .surface import lengths
 from .visibility import Visibility
 
 
@@ -16,10 +17,11 @@ def fitted_bounces(visibility: Visibility) -> NDArray[np.float32]:
     The fit knows alpha only, so F1 and then F2 are lowered where they would pass the light that F0 leaves.
     """
     f0 = visibility.f0.astype(np.float64)
-    decay = multibounce.tau(visibility.alpha)
-    f1 = np.minimum(multibounce.f1(visibility.alpha), 1.0 - f0)
-    f2 = np.minimum(decay * f1, 1.0 - f0 - f1)
-    return np.column_stack((f0, f1, f2, decay)).astype(np.float32)
+    fitted = multibounce.f1(visibility.alpha)
+    tail = multibounce.decay(multibounce.f0(visibility.alpha), fitted)
+    f1 = np.minimum(fitted, 1.0 - f0)
+    f2 = np.minimum(tail * f1, 1.0 - f0 - f1)
+    return np.column_stack((f0, f1, f2, tail)).astype(np.float32)
 
 
 def bent_cone(visibility: Visibility, world_to_object: NDArray) -> NDArray[np.float32]:
@@ -29,8 +31,6 @@ def bent_cone(visibility: Visibility, world_to_object: NDArray) -> NDArray[np.fl
     """
     world = visibility.bent.astype(np.float64)
     local = world @ np.asarray(world_to_object, np.float64).T
-    length = np.linalg.norm(local, axis=1, keepdims=True)
-    local *= np.divide(
-        np.linalg.norm(world, axis=1, keepdims=True), length, out=np.zeros_like(length), where=length > 0.0
-    )
+    length = lengths(local)
+    local *= np.divide(lengths(world), length, out=np.zeros_like(length), where=length > 0.0)[:, None]
     return np.column_stack((local, visibility.alpha)).astype(np.float32)

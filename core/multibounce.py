@@ -40,23 +40,30 @@ def _ratio(numerator: NDArray, denominator: NDArray) -> NDArray[np.float64]:
 def f0(alpha: ArrayLike) -> NDArray[np.float64]:
     """Direct irradiance factor F0 in [0, 1], eq. (7), guarded by F0 <= 1."""
     a = _unit(alpha)
-    return np.minimum(a * (1.0 + 0.5 * (1.0 - a) ** 0.75), 1.0)
+    root = np.sqrt(1.0 - a)  # powers of a quarter by square roots: several times as fast
+    return np.minimum(a * (1.0 + 0.5 * root * np.sqrt(root)), 1.0)
 
 
 def f1(alpha: ArrayLike) -> NDArray[np.float64]:
     """First-bounce factor F1 in [0, 1 - F0], eq. (11) with the fourth root of alpha, guarded by F0 + F1 <= 1."""
     a = _unit(alpha)
-    return np.minimum(A * a * (1.0 - a) ** 1.5 * np.exp(-B * a**0.25), 1.0 - f0(a))
+    closed = 1.0 - a
+    return np.minimum(A * a * closed * np.sqrt(closed) * np.exp(-B * np.sqrt(np.sqrt(a))), 1.0 - f0(a))
 
 
 def tau(alpha: ArrayLike) -> NDArray[np.float64]:
-    """Ratio of each bounce to the one before it, in [0, 1], eq. (9).
+    """Ratio of each bounce to the one before it, in [0, 1], eq. (9)."""
+    return decay(f0(alpha), f1(alpha))
+
+
+def decay(f0: NDArray, f1: NDArray) -> NDArray[np.float64]:
+    """tau of F0 and F1, eq. (9): what lets the bounces sum to 1.
 
     Written as (1 - F0 - F1) / (1 - F0) with 0/0 = 0: where no light is left to bounce it stays the 0 that it comes
     from.
     """
-    left = 1.0 - f0(alpha)
-    return _ratio(left - f1(alpha), left)
+    left = 1.0 - f0
+    return _ratio(left - f1, left)
 
 
 def irradiance(alpha: ArrayLike, albedo: ArrayLike) -> NDArray[np.float64]:

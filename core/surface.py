@@ -73,7 +73,7 @@ class Surface:
         split = split.reshape(-1)
         count = np.bincount(split)
         inwards = into_faces(self.vertices[self.corner_vertex], self.face_start, self.face_size)
-        inset = np.column_stack([np.bincount(split, weights=axis) for axis in inwards.T]) / count[:, None]
+        inset = np.column_stack([np.bincount(split, weights=axis) / count for axis in inwards.T])
         return self.vertices[self.corner_vertex[first]] + INSET * inset, self.corner_normals[first], split
 
 
@@ -87,8 +87,13 @@ def extent_of(vertices: NDArray, used: NDArray[np.integer]) -> float:
 def unit(vectors: NDArray) -> NDArray[np.float64]:
     """``vectors`` (n, 3) of length 1; +z for those without a direction."""
     vectors = np.asarray(vectors, np.float64)
-    length = np.linalg.norm(vectors, axis=1, keepdims=True)
+    length = lengths(vectors)[:, None]
     return np.where(length > 1e-30, vectors / np.maximum(length, 1e-30), (0.0, 0.0, 1.0))
+
+
+def lengths(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Length (n,) of each of ``vectors`` (n, 3): numpy.linalg.norm along an axis is several times as slow."""
+    return np.sqrt(np.einsum("nx,nx->n", vectors, vectors))
 
 
 def into_faces(
@@ -103,16 +108,18 @@ def into_faces(
     following, before = index + 1, index - 1
     following[face_start + face_size - 1] = face_start
     before[face_start] = face_start + face_size - 1
-    ahead, back = corners[following] - corners, corners[before] - corners
+    # Axis first from here on, so that numpy runs along the corners.
+    axes = np.ascontiguousarray(corners.T)
+    ahead, back = axes[:, following] - axes, axes[:, before] - axes
     # Newell's normal, from the face's first corner so that it keeps its digits far from the origin.
-    from_first = corners - np.repeat(corners[face_start], face_size, axis=0)
-    normal = np.add.reduceat(np.cross(from_first, ahead), face_start, axis=0)
-    inwards = np.cross(np.repeat(normal, face_size, axis=0), _direction(ahead) - _direction(back))
-    shorter = np.minimum(np.linalg.norm(ahead, axis=1), np.linalg.norm(back, axis=1))
-    return 0.5 * shorter[:, None] * _direction(inwards)
+    from_first = axes - np.repeat(axes[:, face_start], face_size, axis=1)
+    normal = np.add.reduceat(np.cross(from_first, ahead, axis=0), face_start, axis=1)
+    inwards = np.cross(np.repeat(normal, face_size, axis=1), _direction(ahead) - _direction(back), axis=0)
+    shorter = np.sqrt(np.minimum(np.square(ahead).sum(axis=0), np.square(back).sum(axis=0)))
+    return (0.5 * shorter * _direction(inwards)).T
 
 
 def _direction(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """``vectors`` (n, 3) at length 1, those of no length as they are."""
-    length = np.linalg.norm(vectors, axis=1, keepdims=True)
+    """``vectors`` (3, n) at length 1, those of no length as they are."""
+    length = np.sqrt(np.square(vectors).sum(axis=0))
     return np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0.0)

@@ -10,7 +10,6 @@ import bpy
 from ..operators.names import PROPERTY
 from ..operators.report import count_text
 
-
 # Draft shows in a blink whether the settings are right; Good is clean to a careful eye, and the default.
 SAMPLES = {"Draft": 16, "Good": 256, "Final": 1024}
 
