@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from .scan_conversion import Trapezoids, owners, reach, trapezoids
 from .texel_rim import rim
 
-# What a caller holds at once: 12 bytes each in Texels, and twice that while they are put together.
+# What a caller holds at once: 12 to 20 bytes each in Texels, and twice that while they are put together.
 PLACES_PER_BAND = 2**22
 # What one thread works on: about 40 MB of temporaries. Smaller pieces leave more of the time to Python's lock.
 PLACES_PER_TASK = 2**18

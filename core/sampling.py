@@ -128,3 +128,29 @@ def frames(normals: NDArray, turn: NDArray) -> NDArray[np.float32]:
         result[..., 1, axis] = cos * bitangent[axis] - sin * tangent[axis]
         result[..., 2, axis] = normals[axis]
     return result
+
+
+def carried_frames(normals: NDArray, turn: NDArray) -> NDArray[np.float32]:
+    """Frames (b, K, 3, 3) of b points with K places each, unit ``normals`` (3, b, K), turned by ``turn`` (b,).
+
+    The first place's frame is carried to the others by the shortest rotation between their normals, so that directions
+    dealt out among the places stay one pattern. Tangents of their own would turn against each other: no field of
+    tangents on the sphere is smooth everywhere.
+    """
+    first = normals[:, :, :1]
+    result = np.empty((*normals.shape[1:], 3, 3), np.float32)
+    result[:, :1] = frames(first, turn[:, None])
+    if normals.shape[2] == 1:
+        return result
+    others = normals[:, :, 1:]
+    cos = (first * others).sum(axis=0)
+    between = (first + others) / np.maximum(1.0 + cos, 1e-3)
+    for row in range(2):
+        axis = result[:, 0, row].T[:, :, None].astype(np.float64)
+        carried = axis - (axis * others).sum(axis=0) * between
+        result[:, 1:, row] = np.moveaxis(carried, 0, 2)
+    result[:, 1:, 2] = np.moveaxis(others, 0, 2)
+    # There is no shortest way to the opposite side of a sheet.
+    point, place = np.nonzero(cos < -0.99)
+    result[point, 1 + place] = frames(others[:, point, place], turn[point])
+    return result

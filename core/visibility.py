@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from .rays import Obscurance, Occluders
 from .sample_points import SamplePoints
-from .sampling import Pattern, frames, turns
+from .sampling import Pattern, carried_frames, turns
 from .workers import Workers
 
 # Rays in flight a thread, few enough for the cache. Fixed, because results must not depend on the machine.
@@ -86,7 +86,7 @@ def trace_visibility(
         def prepare(part: slice) -> int:
             positions, normals = points.at(window[part])
             start[part] = np.moveaxis(occluders.origins(positions, normals, extent), 0, 2)
-            frame[part] = frames(normals, turns(points.number(window[part]), seed)[:, None])
+            frame[part] = carried_frames(normals, turns(points.number(window[part]), seed))
             return 0
 
         def trace(part: slice) -> int:

@@ -18,8 +18,7 @@ TILE = np.array([[[0, 0], [1, 0], [1, 1]], [[0, 0], [1, 1], [0, 1]]], float)
 
 
 def touches(triangle, size):
-    """Texels (size, size) whose open square the triangle's inside meets: no axis separates them (Gottschalk, Lin and
-    Manocha, "OBBTree", SIGGRAPH 1996)."""
+    """Texels (size, size) whose open square the triangle's inside meets: no axis separates them."""
     corners = triangle * size
     column, row = np.meshgrid(np.arange(size), np.arange(size))
     squares = np.stack((column, row), axis=-1)[:, :, None] + np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
@@ -46,10 +45,10 @@ def triangles_at(triangles, points):
 
 
 def distance_to_segment(point, p, q):
-    along = minimize_scalar(
-        lambda t: np.linalg.norm(p + t * (q - p) - point), bounds=(0, 1), method="bounded", options={"xatol": 1e-9}
-    )
-    return along.fun
+    def distance(t):
+        return np.linalg.norm(p + t * (q - p) - point)
+
+    return minimize_scalar(distance, bounds=(0, 1), method="bounded", options={"xatol": 1e-9}).fun
 
 
 def image(texels, size=SIZE):
@@ -62,14 +61,13 @@ def position(triangles, texels, size=SIZE):
     """Where the samples (k, K) lie in their texels, in texels: (k, K, 2)."""
     v, w = np.moveaxis(texels.weights.astype(float), 2, 0)[..., None]
     a, b, c = np.moveaxis(triangles[texels.triangle], 2, 0)
-    column, row = texels.texel % size, texels.texel // size
-    return ((1.0 - v - w) * a + v * b + w * c) * size - np.column_stack((column, row))[:, None]
+    texel = np.column_stack((texels.texel % size, texels.texel // size))
+    return ((1.0 - v - w) * a + v * b + w * c) * size - texel[:, None]
 
 
 def places_of(count):
     """The places in a texel (K, 2), from a layout that holds them all."""
-    texels = rasterise(TILE, 1, 1, count)
-    return position(TILE, texels, 1)[0]
+    return position(TILE, rasterise(TILE, 1, 1, count), 1)[0]
 
 
 def all_places(count, size=SIZE):
@@ -81,22 +79,16 @@ def all_places(count, size=SIZE):
 def triangulation(seed, points=60):
     """A triangulation of the tile, its triangles in random order and with random first corners."""
     random = np.random.default_rng(seed)
-    corners = np.array([[0, 0], [1, 0], [0, 1], [1, 1]])
-    mesh = Delaunay(np.concatenate((corners, random.uniform(0, 1, (points, 2)))))
+    mesh = Delaunay(np.concatenate((TILE.reshape(-1, 2)[[0, 1, 2, 5]], random.uniform(0, 1, (points, 2)))))
     triangles = mesh.points[random.permutation(mesh.simplices)]
     turn = (np.arange(3) + random.integers(0, 3, (len(triangles), 1))) % 3
     return np.take_along_axis(triangles, turn[:, :, None], axis=1)
 
 
-def same(a, b):
-    return all((getattr(a, name) == getattr(b, name)).all() for name in ("texel", "triangle", "weights"))
-
-
 @pytest.mark.parametrize("places", range(1, 17))
 def test_places_share_no_row_and_no_column(places):
     at = places_of(places)
-    strata = np.sort(np.floor(at * places), axis=0)
-    assert (strata == np.arange(places)[:, None]).all()
+    assert (np.sort(np.floor(at * places), axis=0) == np.arange(places)[:, None]).all()
     np.testing.assert_allclose(at.mean(axis=0), 0.5, atol=1e-6)
 
 
@@ -170,7 +162,6 @@ def test_a_place_on_a_shared_edge_has_one_owner():
 
 
 def test_shares_of_texels_converge_to_the_triangles_areas():
-    # Most triangles are smaller than a texel.
     size, triangles = 16, triangulation(5, points=600)
     (x0, y0), (x1, y1), (x2, y2) = np.moveaxis(triangles, (1, 2), (0, 1)) * size
     area = np.abs((x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)) / 2
@@ -252,13 +243,13 @@ def test_bands_threads_and_pieces_make_the_same_image(monkeypatch, places):
     whole = rasterise(triangles, SIZE, SIZE, places, threads=1)
     rows = list(bands(SIZE, SIZE, places, limit=5 * SIZE * places))
     assert len(rows) == 7
-    parts = [rasterise(triangles, SIZE, SIZE, places, band) for band in rows]
-    for name in ("texel", "triangle", "weights"):
-        assert (np.concatenate([getattr(part, name) for part in parts]) == getattr(whole, name)).all()
+    others = [[rasterise(triangles, SIZE, SIZE, places, band) for band in rows]]
     monkeypatch.setattr(rasterise_module, "PLACES_PER_TASK", 3 * SIZE * places)
     monkeypatch.setattr(scan_conversion, "ROWS_PER_BATCH", 11)
-    for threads in (1, 2, 5):
-        assert same(rasterise(triangles, SIZE, SIZE, places, threads=threads), whole)
+    others += [[rasterise(triangles, SIZE, SIZE, places, threads=threads)] for threads in (1, 2, 5)]
+    for parts in others:
+        for name in ("texel", "triangle", "weights"):
+            assert (np.concatenate([getattr(part, name) for part in parts]) == getattr(whole, name)).all()
 
 
 def test_triangles_that_own_nothing():
@@ -269,8 +260,7 @@ def test_triangles_that_own_nothing():
     infinite = [[0.0, 0.0], [np.inf, 0.0], [0.0, 1.0]]
     nothing = np.array([point, line, outside, nan, infinite])
     with np.errstate(all="raise"):
-        for triangles in (nothing, nothing[:0]):
-            texels = rasterise(triangles, SIZE, SIZE, 3)
+        for texels in (rasterise(nothing, SIZE, SIZE, 3), rasterise(nothing[:0], SIZE, SIZE, 3)):
             assert texels.texel.shape == (0,) and texels.triangle.shape == (0, 3) and texels.weights.shape == (0, 3, 2)
         # ... and do not disturb those that do
         texels = rasterise(np.concatenate((nothing, TILE)), SIZE, SIZE, 3)

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from core.sampling import frames, hemisphere_density, hemisphere_elevation, hemisphere_pattern, turns
+from core.sampling import carried_frames, frames, hemisphere_density, hemisphere_elevation, hemisphere_pattern, turns
 
 DENSITIES = ["uniform", "cosine", "mixture"]
 
@@ -55,6 +55,25 @@ def test_frames_are_right_handed_and_turned():
     cos = np.einsum("nx,nx->n", turned[:, 0], straight[:, 0])
     sin = np.einsum("nx,nx->n", turned[:, 0], straight[:, 1])
     np.testing.assert_allclose(np.exp(1j * turn), cos + 1j * sin, atol=1e-6)
+
+
+def test_carried_frames_follow_the_normal_and_turn_no_more_than_it():
+    """Also about -z, where the tangents of frames by themselves turn fastest."""
+    rng = np.random.default_rng(0)
+    normals = rng.normal(size=(500, 1, 3)) * (1, 1, 3) + rng.normal(scale=0.1, size=(500, 8, 3))
+    normals[:10, 1] = -normals[:10, 0]
+    normals /= np.linalg.norm(normals, axis=2, keepdims=True)
+    turn = rng.uniform(0, 2 * np.pi, 500)
+    found = carried_frames(np.moveaxis(normals, 2, 0), turn)
+    identity = np.broadcast_to(np.eye(3), found.shape)
+    np.testing.assert_allclose(found @ np.swapaxes(found, 2, 3), identity, atol=1e-5)
+    np.testing.assert_allclose(np.linalg.det(found), 1.0, atol=1e-5)
+    np.testing.assert_allclose(found[:, :, 2], normals, atol=1e-6)
+    np.testing.assert_allclose(found[:, 0], frames(normals[:, 0].T, turn), atol=1e-6)
+    # The rotation from one frame to another has trace 1 + 2 cos; the shortest turns by the angle between the normals.
+    cos = (normals[:, :1] * normals).sum(axis=2)
+    trace = np.einsum("npij,nij->np", found, found[:, 0])
+    np.testing.assert_allclose(trace[10:], 1.0 + 2.0 * cos[10:], atol=1e-5)
 
 
 def test_turns_are_even_and_belong_to_the_point():
