@@ -2,6 +2,8 @@
 PYTHON ?= python3
 VENV := .venv/$(or $(shell $(PYTHON) -c 'import sys; print("%d.%d" % sys.version_info[:2])' 2>/dev/null),none)
 STAMP := $(VENV)/.stamp
+BENCH := $(VENV)-bench
+SITE := 'import site; print(site.getsitepackages()[0])'
 
 .PHONY: help demo test test-blender bench zip lint clean
 help:            ## list the targets
@@ -20,8 +22,15 @@ test: $(STAMP)   ## run the tests in the bpy module; ARGS go to pytest
 test-blender: $(STAMP)   ## the same in a real Blender, on the built zip; BLENDER, else the PATH's, else fetched
 	tools/test_in_blender.sh $(VENV) $(ARGS)
 
-bench: $(STAMP)  ## run the benchmarks
-	$(VENV)/bin/python tests/benchmarks/run.py
+# The benchmarks' own packages lie beside those of the venv, so that the tests do without them.
+$(BENCH)/.stamp: $(STAMP) tools/bench_requirements.txt
+	$(VENV)/bin/python -m venv --clear $(BENCH)
+	$(VENV)/bin/python -c $(SITE) > $$($(BENCH)/bin/python -c $(SITE))/blender.pth
+	$(BENCH)/bin/python -m pip install --quiet --disable-pip-version-check -r tools/bench_requirements.txt
+	@touch $@
+
+bench: $(BENCH)/.stamp   ## run the benchmarks; ARGS: names of some, --quick, --update-docs
+	$(BENCH)/bin/python tests/benchmarks/run.py $(ARGS)
 
 zip: $(STAMP)    ## build the installable zips into dist/
 	$(VENV)/bin/python tools/build_zip.py

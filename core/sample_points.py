@@ -89,8 +89,8 @@ class TexelPoints:
 
 
 def texel_places(samples: int) -> int:
-    """How many places of a texel share its ``samples`` rays: as many as each has rays, up to 16."""
-    return max(1, min(16, math.isqrt(samples)))
+    """How many places of a texel share its ``samples`` rays: a quarter as many as each has rays, from 1 to 16."""
+    return max(1, min(16, math.isqrt(samples) // 2))
 
 
 class CornerTable:

@@ -152,8 +152,9 @@ def _slices(count: int, size: int) -> list[slice]:
 def _deal(pattern: Pattern, places: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The rays of each place: directions (places, r, 3) and weights (places, r, 5), zero for rays that only fill up.
 
-    Every place gets each ``places``-th direction, which covers the hemisphere like the whole. A place's rays go around
-    its normal, so that one finds in the cache what the last one met.
+    Every place gets one of each ``places`` directions in turn. Which one moves on by two: always the same would be, for
+    8 places or another Fibonacci number, one arm of the pattern's spirals. A place's rays go around its normal, so that
+    one finds in the cache what the last one met.
 
     The weights say what a visible ray adds to F0, alpha and the mean direction's x, y, z. They are multiples of 2^-40,
     like the pattern's own, so that the product sums them without rounding in any order. The pattern's directions are
@@ -165,6 +166,7 @@ def _deal(pattern: Pattern, places: int) -> tuple[NDArray[np.float64], NDArray[n
     weights = np.column_stack((pattern.cosine, pattern.uniform, bent))
     count = len(weights)
     azimuth = np.arctan2(pattern.directions[:, 1], pattern.directions[:, 0])
-    dealt = np.arange(-(-count // places) * places).reshape(-1, places).T
+    turn = np.arange(-(-count // places))[:, None]
+    dealt = (turn * places + (np.arange(places) + 2 * turn) % places).T
     dealt = np.take_along_axis(dealt, np.argsort(azimuth[dealt % count], axis=1, kind="stable"), axis=1)
     return pattern.directions[dealt % count], np.where(dealt[..., None] < count, weights[dealt % count], 0.0)
