@@ -8,15 +8,40 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from .workers import Workers
 
-def extend_margin(images: Sequence[NDArray], covered: NDArray[np.bool_], margin: int) -> None:
+ROWS_PER_PART = 128
+
+
+def extend_margin(
+    images: Sequence[NDArray], covered: NDArray[np.bool_], margin: int, threads: int | None = None
+) -> None:
     """Fill each of ``images`` (h, w, c) in place up to ``margin`` texels past ``covered`` (h, w), Blender's
-    "Extend"."""
+    "Extend". ``threads``, default one a core, change nothing of the result."""
     from scipy.ndimage import distance_transform_edt
 
     if margin <= 0 or covered.all() or not covered.any():
         return
-    distance, (row, column) = distance_transform_edt(~covered, return_indices=True)
-    rim = (distance > 0) & (distance <= margin)
-    for image in images:
-        image[rim] = image[row[rim], column[rim]]
+
+    rows = max(ROWS_PER_PART, 2 * margin)
+
+    def extend(first: int) -> int:
+        # The nearest texel of a row within the margin lies among these rows.
+        last, low = min(first + rows, len(covered)), max(first - margin, 0)
+        near = covered[low : last + margin]
+        inner = slice(first - low, last - low)
+        if near[inner].all() or not near.any():
+            return 0
+        nearest = distance_transform_edt(~near, return_distances=False, return_indices=True)
+        row, column = np.nonzero(~near[inner])
+        from_row, from_column = nearest[:, inner][:, row, column]
+        away = np.square(from_row - (row + inner.start)) + np.square(from_column - column)
+        rim = away <= margin * margin
+        row, column, from_row, from_column = row[rim] + first, column[rim], from_row[rim] + low, from_column[rim]
+        for image in images:
+            image[row, column] = image[from_row, from_column]
+        return 0
+
+    with Workers(threads) as workers:
+        for _ in workers.run(extend, range(0, len(covered), rows)):
+            pass

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from .rays import Obscurance, Occluders
 from .sample_points import SamplePoints
 from .sampling import Pattern, carried_frames, turns
-from .workers import Workers
+from .workers import Workers, slices
 
 # Rays in flight a thread, few enough for the cache. Fixed, because results must not depend on the machine.
 RAYS_PER_BLOCK = 2**15
@@ -42,6 +42,10 @@ class Visibility:
     f0: NDArray[np.float32]
     alpha: NDArray[np.float32]
     bent: NDArray[np.float32]
+
+    def __getitem__(self, part: slice) -> Visibility:
+        """What a slice of the points sees."""
+        return Visibility(self.f0[part], self.alpha[part], self.bent[part])
 
 
 def trace_visibility(
@@ -116,15 +120,15 @@ def trace_visibility(
             )
             return 0
 
-        chunks = _slices(size, max(1, PLACES_PER_CHUNK // places))
+        chunks = slices(size, max(1, PLACES_PER_CHUNK // places))
         yield from workers.run(prepare, chunks)
-        yield from workers.run(trace, _slices(size, block_size))
+        yield from workers.run(trace, slices(size, block_size))
         for _ in workers.run(sum_up, chunks):
             yield size
 
     done = 0
     with Workers(threads) as workers:
-        for part in _slices(len(order), window_size):
+        for part in slices(len(order), window_size):
             for count in trace_window(workers, order[part]):
                 yield done + count
             done += count
@@ -142,11 +146,6 @@ def _buffers(shape: tuple[int, ...]) -> tuple[NDArray[np.float32], NDArray[np.fl
 def _triples(vectors: NDArray[np.float32]) -> NDArray[np.void]:
     """Vectors (..., 3) as (...) elements: numpy copies those in one go."""
     return vectors.view(np.dtype((np.void, 12)))[..., 0]
-
-
-def _slices(count: int, size: int) -> list[slice]:
-    """Consecutive slices of ``size``, the last one shorter, that make up ``count``."""
-    return [slice(start, min(start + size, count)) for start in range(0, count, size)]
 
 
 def _deal(pattern: Pattern, places: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -57,3 +57,8 @@ class Workers:
         finally:
             drop()
             wait(working)
+
+
+def slices(count: int, size: int) -> list[slice]:
+    """Consecutive slices of ``size``, the last one shorter, that make up ``count``."""
+    return [slice(start, min(start + size, count)) for start in range(0, count, size)]

@@ -16,6 +16,7 @@ from ..core.margin import extend_margin
 from ..core.rasterise import bands, rasterise
 from ..core.sample_points import CornerTable, TexelPoints, texel_places
 from ..core.surface import Surface
+from ..core.workers import Workers, slices
 from .images import file_path, store_image
 from .mesh_reader import linear_inverse
 from .names import BENT_CONE, MULTIBOUNCE_AO
@@ -23,6 +24,9 @@ from .progress import mapped
 from .report import BakeError, ObjectReport, statistics
 from .settings import BakeSettings
 from .uv_layout import check_layout, overlaps
+
+# Texels whose channels a thread computes together.
+TEXELS_PER_PART = 2**15
 
 
 @dataclass(frozen=True)
@@ -79,9 +83,16 @@ def bake_texture(
         tracing = trace(TexelPoints(corners, texels, size), extent=surface.extent)
         rows = (last - first) / len(texels.texel)
         visibility = yield from mapped(tracing, lambda done, first=first, rows=rows: (first + done * rows) / size)
-        bounces[texels.texel] = fitted_bounces(visibility)
-        cone[texels.texel] = bent_cone(visibility, world_to_object)
-        covered[texels.texel] = True
+
+        def fill(part: slice, texel=texels.texel, visibility=visibility) -> int:
+            bounces[texel[part]] = fitted_bounces(visibility[part])
+            cone[texel[part]] = bent_cone(visibility[part], world_to_object)
+            covered[texel[part]] = True
+            return 0
+
+        with Workers(threads) as workers:
+            for _ in workers.run(fill, slices(len(texels.texel), TEXELS_PER_PART)):
+                pass
         report.points += len(texels.texel)
     if not report.points:
         raise BakeError(f"touches no texel in UV map '{uv_map}': pack its islands (UV > Pack Islands)")
@@ -92,5 +103,5 @@ def bake_texture(
     report.f0 = statistics(bounces[covered, 0])
 
     bounces, cone, covered = bounces.reshape(size, size, 4), cone.reshape(size, size, 4), covered.reshape(size, size)
-    extend_margin((bounces, cone), covered, settings.margin)
+    extend_margin((bounces, cone), covered, settings.margin, threads)
     return TextureResult(obj, uv_map, folder, bounces, cone)

@@ -70,8 +70,11 @@ class Report:
 def time_to(error: float, seconds: Sequence[float], errors: Sequence[float]) -> float:
     """Seconds until ``error``, on straight lines between the measurements in logarithms, or the nearest one's line.
 
-    ``errors`` fall as ``seconds`` rise; (k,) each, k at least 2.
+    ``errors`` fall as ``seconds`` rise; (k,) each, k at least 2. Infinite where the last is still far above ``error``:
+    the method may have a bias of its own, which no time takes away.
     """
+    if errors[-1] > 1.5 * error:
+        return float("inf")
     x, y = -np.log(errors), np.log(seconds)
     target = -np.log(error)
     left = int(np.clip(np.searchsorted(x, target) - 1, 0, len(x) - 2))

@@ -89,6 +89,22 @@ def test_margin_takes_the_nearest_texel_and_stops():
     assert (pixels == before).all()
 
 
+@pytest.mark.parametrize("margin", [1, 20, 1000])
+def test_margin_of_a_tall_image(margin):
+    """Each texel takes the value of one that is as near as any, whichever part of the image it lies in."""
+    rng = np.random.default_rng(margin)
+    covered = rng.random((700, 30)) < 0.002
+    own = np.stack(np.indices(covered.shape), axis=-1)
+    image = np.where(covered[..., None], own, -1).astype(np.float32)
+    extend_margin((image,), covered, margin, threads=3)
+    distance = np.sqrt(np.square(own[:, :, None] - own[covered]).sum(axis=-1)).min(axis=2)
+    filled = image[..., 0] >= 0
+    assert (filled == (distance <= margin)).all()
+    source = image[filled].astype(int)
+    assert covered[tuple(source.T)].all()
+    np.testing.assert_allclose(np.sqrt(np.square(own[filled] - source).sum(axis=1)), distance[filled])
+
+
 def test_morton_neighbours_stay_together():
     points = np.random.default_rng(0).random((4096, 3))
     order = morton_order(points)

@@ -45,7 +45,9 @@ def test_source_names_no_blender_module(path):
 
 def test_every_module_imports_without_blender():
     """Nor do heavy packages load before they are used, as the extension's start would wait for them."""
-    code = BLOCK + f"""
+    code = (
+        BLOCK
+        + f"""
 sys.path.insert(0, {str(CORE.parent)!r})
 import importlib
 for name in {[dotted(path) for path in MODULES]!r}:
@@ -53,5 +55,6 @@ for name in {[dotted(path) for path in MODULES]!r}:
 loaded = {{"embreex", "scipy", "OpenEXR"}} & set(sys.modules)
 assert not loaded, loaded
 """
+    )
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert result.returncode == 0, result.stderr

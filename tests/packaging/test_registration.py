@@ -47,7 +47,9 @@ assert not loaded, loaded
 
 
 def test_unregistering_leaves_nothing_behind(run_in_fresh_blender):
-    run_in_fresh_blender(STATE + """
+    run_in_fresh_blender(
+        STATE
+        + """
 untouched = None if PACKAGE in sys.modules else state()
 extension = enable_extension()
 extension.unregister()
@@ -60,14 +62,20 @@ for _ in range(2):
     assert ("Scene", "multibounce_ao") in state()["properties"]
     extension.unregister()
     same(clean, state())
-""")
+"""
+    )
 
 
 def test_ids_are_unique_and_follow_blenders_convention(extension):
     import bpy
 
-    kinds = {"OT": bpy.types.Operator, "PT": bpy.types.Panel, "MT": bpy.types.Menu, "UL": bpy.types.UIList,
-             "HT": bpy.types.Header}
+    kinds = {
+        "OT": bpy.types.Operator,
+        "PT": bpy.types.Panel,
+        "MT": bpy.types.Menu,
+        "UL": bpy.types.UIList,
+        "HT": bpy.types.Header,
+    }
     ids = []
     for kind, base in kinds.items():
         for cls in base.__subclasses__():
