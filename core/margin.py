@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from .workers import Workers
 
-ROWS_PER_PART = 128
+ROWS_PER_PART = 128  # of the image, what a thread works on at least
 
 
 def extend_margin(
@@ -22,16 +22,15 @@ def extend_margin(
 
     if margin <= 0 or covered.all() or not covered.any():
         return
-
     rows = max(ROWS_PER_PART, 2 * margin)
 
-    def extend(first: int) -> int:
+    def extend(first: int) -> None:
         # The nearest texel of a row within the margin lies among these rows.
         last, low = min(first + rows, len(covered)), max(first - margin, 0)
         near = covered[low : last + margin]
         inner = slice(first - low, last - low)
         if near[inner].all() or not near.any():
-            return 0
+            return
         nearest = distance_transform_edt(~near, return_distances=False, return_indices=True)
         row, column = np.nonzero(~near[inner])
         from_row, from_column = nearest[:, inner][:, row, column]
@@ -40,8 +39,6 @@ def extend_margin(
         row, column, from_row, from_column = row[rim] + first, column[rim], from_row[rim] + low, from_column[rim]
         for image in images:
             image[row, column] = image[from_row, from_column]
-        return 0
 
     with Workers(threads) as workers:
-        for _ in workers.run(extend, range(0, len(covered), rows)):
-            pass
+        workers.map(extend, range(0, len(covered), rows))

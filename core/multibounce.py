@@ -40,7 +40,7 @@ def _ratio(numerator: NDArray, denominator: NDArray) -> NDArray[np.float64]:
 def f0(alpha: ArrayLike) -> NDArray[np.float64]:
     """Direct irradiance factor F0 in [0, 1], eq. (7), guarded by F0 <= 1."""
     a = _unit(alpha)
-    root = np.sqrt(1.0 - a)  # powers of a quarter by square roots: several times as fast
+    root = np.sqrt(1.0 - a)  # powers of a quarter by square roots, which are faster
     return np.minimum(a * (1.0 + 0.5 * root * np.sqrt(root)), 1.0)
 
 

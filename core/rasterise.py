@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +17,7 @@ from numpy.typing import NDArray
 
 from .scan_conversion import Trapezoids, owners, reach, trapezoids
 from .texel_rim import rim
+from .workers import Workers
 
 # What a caller holds at once: 12 to 20 bytes each in Texels, and twice that while they are put together.
 PLACES_PER_BAND = 2**22
@@ -58,12 +58,8 @@ def rasterise(
     first, last = rows or (0, height)
     layout = _prepare(triangle_uv, width, height, places, first, last)
     tasks = [(first + low, first + high) for low, high in bands(width, last - first, places, PLACES_PER_TASK)]
-    threads = min(threads or os.cpu_count() or 1, MOST_THREADS, len(tasks))
-    if threads > 1:
-        with ThreadPoolExecutor(threads) as pool:
-            parts = list(pool.map(layout.texels, tasks))
-    else:
-        parts = [layout.texels(task) for task in tasks]
+    with Workers(min(threads or os.cpu_count() or 1, MOST_THREADS)) as workers:
+        parts = workers.map(layout.texels, tasks)
     return Texels(*(np.concatenate(part) for part in zip(*parts, strict=True)))
 
 

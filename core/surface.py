@@ -92,7 +92,7 @@ def unit(vectors: NDArray) -> NDArray[np.float64]:
 
 
 def lengths(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Length (n,) of each of ``vectors`` (n, 3): numpy.linalg.norm along an axis is several times as slow."""
+    """Length (n,) of each of ``vectors`` (n, 3): numpy.linalg.norm along an axis is slower."""
     return np.sqrt(np.einsum("nx,nx->n", vectors, vectors))
 
 

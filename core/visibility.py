@@ -27,7 +27,7 @@ from .workers import Workers, slices
 
 # Rays in flight a thread, few enough for the cache. Fixed, because results must not depend on the machine.
 RAYS_PER_BLOCK = 2**15
-# Places prepared and summed up at once, at about 100 bytes each. Numpy calls between traced blocks would each find the
+# Places prepared and summed up at once. Numpy calls between traced blocks would each find the
 # cache full of Embree's tree, so what needs many calls is done for many blocks together, in chunks.
 PLACES_PER_WINDOW = 2**18
 PLACES_PER_CHUNK = 2**13
@@ -69,8 +69,8 @@ def trace_visibility(
     obscurance = obscurance or Obscurance()
     order, places = points.order(), points.places
     directions, weights = _deal(pattern, places)
-    # Turned directions as one product: (.., 9) entries of a frame by (places, 9, 3r), where numpy's batch of 3x3
-    # products takes three times as long.
+    # Turned directions as one product, entries of frames (.., 9) by (places, 9, 3r): numpy's batch of 3x3 products is
+    # slower.
     to_rays = np.stack([np.kron(each.T, np.eye(3)) for each in directions]).astype(np.float32)
     rays_per_place = directions.shape[1]
     block_size = max(1, RAYS_PER_BLOCK // (places * rays_per_place))

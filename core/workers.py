@@ -9,13 +9,14 @@ from concurrent.futures import ThreadPoolExecutor, wait
 from typing import TypeVar
 
 Part = TypeVar("Part")
+Result = TypeVar("Result")
 
 # Seconds between reports. Waking the caller for each piece would take Python's lock from the workers.
 REPORT_EVERY = 0.05
 
 
 class Workers:
-    """Threads for :meth:`run`, default one a core; a context manager that ends them."""
+    """Threads for :meth:`run` and :meth:`map`, default one a core; a context manager that ends them."""
 
     def __init__(self, threads: int | None = None):
         self._threads = threads or os.cpu_count() or 1
@@ -38,7 +39,7 @@ class Workers:
 
         def work() -> None:
             try:
-                for part in left:  # one list iterator for all threads: Python's lock gives each part to one of them
+                for part in left:  # one iterator for all threads: Python's lock gives each part to one of them
                     results.append(task(part))
             finally:
                 drop()
@@ -57,6 +58,18 @@ class Workers:
         finally:
             drop()
             wait(working)
+
+    def map(self, task: Callable[[Part], Result], parts: Sequence[Part]) -> list[Result]:
+        """What ``task`` returns for each of ``parts``, in their order, when all are done."""
+        results: list[Result] = [None] * len(parts)
+
+        def keep(index: int) -> int:
+            results[index] = task(parts[index])
+            return 0
+
+        for _ in self.run(keep, range(len(parts))):
+            pass
+        return results
 
 
 def slices(count: int, size: int) -> list[slice]:

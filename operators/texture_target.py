@@ -84,15 +84,13 @@ def bake_texture(
         rows = (last - first) / len(texels.texel)
         visibility = yield from mapped(tracing, lambda done, first=first, rows=rows: (first + done * rows) / size)
 
-        def fill(part: slice, texel=texels.texel, visibility=visibility) -> int:
+        def fill(part: slice, texel=texels.texel, visibility=visibility) -> None:
             bounces[texel[part]] = fitted_bounces(visibility[part])
             cone[texel[part]] = bent_cone(visibility[part], world_to_object)
             covered[texel[part]] = True
-            return 0
 
         with Workers(threads) as workers:
-            for _ in workers.run(fill, slices(len(texels.texel), TEXELS_PER_PART)):
-                pass
+            workers.map(fill, slices(len(texels.texel), TEXELS_PER_PART))
         report.points += len(texels.texel)
     if not report.points:
         raise BakeError(f"touches no texel in UV map '{uv_map}': pack its islands (UV > Pack Islands)")

@@ -19,6 +19,13 @@ def test_every_part_is_done_once(threads, count):
     assert reports[-1] == 2 * count and reports == sorted(reports)
 
 
+@pytest.mark.parametrize("threads", [1, 3])
+def test_results_come_in_the_order_of_the_parts(threads):
+    with Workers(threads) as workers:
+        assert workers.map(lambda part: part * part, range(200)) == [part * part for part in range(200)]
+        assert workers.map(abs, []) == []
+
+
 def test_threads_work_at_the_same_time():
     meeting = threading.Barrier(2, timeout=20)
     with Workers(2) as workers:
