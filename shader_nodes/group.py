@@ -72,9 +72,7 @@ def _find(name: str) -> tuple[bpy.types.ShaderNodeTree | None, str]:
     return None, free_name
 
 
-def _update_interface(
-    tree: bpy.types.ShaderNodeTree, inputs: Sequence[Socket], outputs: Sequence[Socket]
-) -> None:
+def _update_interface(tree: bpy.types.ShaderNodeTree, inputs: Sequence[Socket], outputs: Sequence[Socket]) -> None:
     """Make the interface what it should be. A socket of the right name keeps its identifier, and so its links."""
     interface = tree.interface
     # outputs first: the order in which Blender draws them

@@ -59,8 +59,19 @@ def pip_download(requirement: str, python: str, tags: set[str], folder: Path) ->
 
     Returns pip's complaint, empty if the wheel is there.
     """
-    command = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "--only-binary=:all:",
-               "--implementation=cp", f"--python-version={python}", f"--dest={folder}", requirement]
+    command = [
+        sys.executable,
+        "-m",
+        "pip",
+        "download",
+        "--quiet",
+        "--no-deps",
+        "--only-binary=:all:",
+        "--implementation=cp",
+        f"--python-version={python}",
+        f"--dest={folder}",
+        requirement,
+    ]
     command += [f"--platform={tag}" for tag in sorted(tags)]
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     return result.stderr if result.returncode else ""

@@ -50,10 +50,13 @@ def _operators(module: str) -> ModuleType:
     return importlib.import_module(f"{PACKAGE}.operators.{module}")
 
 
-def by_cycles(obj: bpy.types.Object, samples: int, *, target: str = "VERTEX", resolution: int = 1024) -> float:
-    """Seconds of Cycles' AO bake on ``obj``: to vertex colours of the same domain, or to a float image.
+def by_cycles(
+    obj: bpy.types.Object, samples: int, *, target: str = "VERTEX", domain: str = "", resolution: int = 1024
+) -> float:
+    """Seconds of Cycles' AO bake on ``obj``: to vertex colours, or to a float image.
 
-    To vertex colours it traces every face corner, also where they share a value: an artist waits for that.
+    Vertex colours are those of ``domain``, by default of the extension's own. Cycles traces every face corner, also
+    where they share a value, and takes their mean for a vertex: an artist waits for that.
     """
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
@@ -64,15 +67,23 @@ def by_cycles(obj: bpy.types.Object, samples: int, *, target: str = "VERTEX", re
     scene.world.light_settings.distance = 1e5
     scene.render.bake.margin, scene.render.bake.margin_type = MARGIN, "EXTEND"
     select(obj)
-    bake = _to_vertices if target == "VERTEX" else _to_image
+    bake = partial(_to_vertices, obj, domain or domain_of(obj))
+    if target == "TEXTURE":
+        bake = partial(_to_image, obj, resolution)
     with quiet():
-        return seconds(lambda: bake(obj, resolution))
+        return seconds(bake)
 
 
-def _to_vertices(obj: bpy.types.Object, _resolution: int) -> None:
+def domain_of(obj: bpy.types.Object) -> str:
+    """The domain of the extension's own attributes."""
+    return "POINT" if obj.data.normals_domain == "POINT" else "CORNER"
+
+
+def _to_vertices(obj: bpy.types.Object, domain: str) -> None:
     attributes = obj.data.color_attributes
+    if CYCLES in attributes and attributes[CYCLES].domain != domain:
+        attributes.remove(attributes[CYCLES])
     if CYCLES not in attributes:
-        domain = "POINT" if obj.data.normals_domain == "POINT" else "CORNER"
         attributes.new(CYCLES, "FLOAT_COLOR", domain)
     attributes.active_color = attributes[CYCLES]
     bpy.ops.object.bake(type="AO", target="VERTEX_COLORS")
