@@ -13,12 +13,14 @@ from .operators import command_line, occluder_cache, settings
 from .operators.add_nodes import MULTIBOUNCE_AO_OT_add_nodes
 from .operators.bake import MULTIBOUNCE_AO_OT_bake
 from .operators.clear import MULTIBOUNCE_AO_OT_clear
+from .operators.fit_bounces import MULTIBOUNCE_AO_OT_clear_fit, MULTIBOUNCE_AO_OT_fit_bounces
 from .panels.bake_panel import (
     MULTIBOUNCE_AO_PT_bake,
     MULTIBOUNCE_AO_PT_occlusion,
     MULTIBOUNCE_AO_PT_result,
     MULTIBOUNCE_AO_PT_texture,
 )
+from .panels.fit_panel import MULTIBOUNCE_AO_PT_fit
 
 # In order of registration: the settings' type before its place on the scene, a panel before its sub-panels.
 CLASSES = (
@@ -26,10 +28,13 @@ CLASSES = (
     MULTIBOUNCE_AO_OT_bake,
     MULTIBOUNCE_AO_OT_clear,
     MULTIBOUNCE_AO_OT_add_nodes,
+    MULTIBOUNCE_AO_OT_fit_bounces,
+    MULTIBOUNCE_AO_OT_clear_fit,
     MULTIBOUNCE_AO_PT_bake,
     MULTIBOUNCE_AO_PT_occlusion,
     MULTIBOUNCE_AO_PT_texture,
     MULTIBOUNCE_AO_PT_result,
+    MULTIBOUNCE_AO_PT_fit,
 )
 
 

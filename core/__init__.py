@@ -7,10 +7,19 @@ Data flows one way through these files::
     rasterise.py      UV triangles                               ->  texels and the triangles at the places of each
     sample_points.py  vertices, or texels' places                ->  positions and normals, a block at a time
     sampling.py       how many rays                              ->  one pattern of weighted directions, turned a point
-    visibility.py     occluders + points + pattern               ->  F0, alpha and the mean visible direction
-    multibounce.py    F0 and alpha                               ->  the light after many bounces
+    light_cache.py    occluders + some of the points             ->  the light that surfaces around them send back
+    visibility.py     occluders + points + pattern + cache       ->  F0, alpha, mean visible direction, light gathered
+    multibounce.py    F0 and alpha, or F0, F1, F2, T             ->  the light after many bounces
     channels.py       all of those                               ->  the eight numbers a bake leaves
 
-beside them ``surface.py`` (triangles and their corners), ``scan_conversion.py`` and ``texel_rim.py`` (parts of the
-rasteriser), ``morton.py`` (points along a curve), ``workers.py`` (threads), ``margin.py`` and ``exr.py``.
+The light cache: ``cells.py`` (which piece of a surface a hit lies on) by ``key_table.py``, ``cell_rays.py`` (what cells
+see), ``bounces.py`` (sums over that), ``final_gather.py`` (what points get from it).
+
+Curves of AO: ``height_map.py`` or a mesh -> ``simulation.py`` (all bounces between its points) -> ``bounce_curves.py``
+(means against AO, coefficients that fit them) -> ``curve_plot.py`` by ``plot.py``, ``canvas.py``, ``stroke_font.py``;
+``area_mean.py`` scales maps down.
+
+Beside them ``albedo.py`` (base colours of what blocks light), ``surface.py`` (triangles and their corners),
+``scan_conversion.py`` and ``texel_rim.py`` (parts of the rasteriser), ``morton.py`` (points along a curve),
+``workers.py`` (threads), ``margin.py`` and ``exr.py``.
 """

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import multibounce
+from .bounces import decay
 from .surface import lengths
 from .visibility import Visibility
 
@@ -22,6 +23,14 @@ def fitted_bounces(visibility: Visibility) -> NDArray[np.float32]:
     f1 = np.minimum(fitted, 1.0 - f0)
     f2 = np.minimum(tail * f1, 1.0 - f0 - f1)
     return np.column_stack((f0, f1, f2, tail)).astype(np.float32)
+
+
+def measured_bounces(visibility: Visibility) -> NDArray[np.float32]:
+    """``Multibounce AO`` (n, 4): F0, and from what was gathered F1, F2 and the decay T that fits the light of all
+    bounces (:func:`core.bounces.decay`)."""
+    f0 = visibility.f0.astype(np.float64)
+    f1, f2, total = visibility.gathered.T
+    return np.column_stack((f0, f1, f2, decay(f0, f1, f2, f0 + multibounce.TAIL_ALBEDO * total))).astype(np.float32)
 
 
 def bent_cone(visibility: Visibility, world_to_object: NDArray) -> NDArray[np.float32]:

@@ -51,6 +51,29 @@ class Obscurance:
         return np.rint(rho * 2.0**12) / 2.0**12
 
 
+@dataclass(frozen=True)
+class Hits:
+    """What r rays meet first.
+
+    visible   (r,) float64, V: 1 where nothing blocks, 0 where something does, between them rho(d)
+    triangle  (r,) int32, of the occluders; their number stands for the floor, -1 for nothing that blocks
+    distance  (r,) float, in the units that Embree sees; any number where nothing blocks
+    normal    (r, 3) float32 of that triangle's front, of any length
+    behind    (r,) bool, whether it is seen from its back
+    """
+
+    visible: NDArray[np.float64]
+    triangle: NDArray[np.int32]
+    distance: NDArray[np.floating]
+    normal: NDArray[np.float32]
+    behind: NDArray[np.bool_]
+
+    def normals(self, ray: NDArray[np.intp]) -> NDArray[np.float32]:
+        """Unit normals (k, 3) of the sides that are met, for rays (k,) that meet something."""
+        normal = self.normal[ray] * np.where(self.behind[ray], -1.0, 1.0).astype(np.float32)[:, None]
+        return normal / np.maximum(np.sqrt(np.square(normal).sum(axis=1)), np.finfo(np.float32).tiny)[:, None]
+
+
 class Occluders:
     """Triangles (and perhaps an infinite floor) that rays are tested against.
 
@@ -58,6 +81,8 @@ class Occluders:
     triangles     (m, 3) int, counter-clockwise seen from the front
     ground_height world z of an infinite floor, or None
     centre        (3,) float, where precision is wanted most; default the median vertex, which few far ones do not move
+
+    As attributes, ``vertices`` (n, 3) float32 are in the units that Embree sees, as are rays.
 
     Raises ValueError where a vertex is not finite. Safe to use from many threads: Embree only reads.
     """
@@ -78,12 +103,12 @@ class Occluders:
         self.centre = np.median(used, axis=0) if centre is None else np.asarray(centre, np.float64)
         self.scale = 2.0 / max(float(np.ptp(used, axis=0).max()), np.finfo(np.float32).tiny)
         self.ground_height = ground_height
-        self.triangle_count = len(triangles)
+        self.triangles = triangles
+        self.vertices = ((vertices - self.centre) * self.scale).astype(np.float32)
         # robust: watertight at the edges of separate faces that meet, where the faster mode leaks.
         self._scene = EmbreeScene(robust=True)
         if len(triangles):
-            in_scene = ((vertices - self.centre) * self.scale).astype(np.float32)
-            self._mesh = TriangleMesh(self._scene, in_scene, triangles)
+            self._mesh = TriangleMesh(self._scene, self.vertices, triangles)
             # The first ray has Embree build its tree: here, not under the first of many threads.
             self._scene.run(np.zeros((1, 3), np.float32), np.ones((1, 3), np.float32), query="OCCLUDED")
 
@@ -95,9 +120,12 @@ class Occluders:
         wide landscape keeps its contacts.
         """
         local = np.stack([(axis - middle) * self.scale for axis, middle in zip(positions, self.centre, strict=True)])
+        return self.off_surface(local, normals, extent)
+
+    def off_surface(self, local: NDArray, normals: NDArray, extent: float) -> NDArray[np.float64]:
+        """As :meth:`origins`, for positions ``local`` that are in Embree's units already."""
         away = OFFSET * extent * self.scale + OFFSET_PER_COORDINATE * np.abs(local).max(axis=0)
-        local += away * normals
-        return local
+        return local + away * normals
 
     def visibility(
         self,
@@ -115,7 +143,7 @@ class Occluders:
         if obscurance.ignore_backfaces:
             np.greater(self._nearest(origins, directions, obscurance), obscurance.reach, out=visible)
             return visible
-        if self.triangle_count:
+        if len(self.triangles):
             far = None
             if np.isfinite(obscurance.max_distance):
                 far = np.full(len(origins), min(obscurance.max_distance * self.scale, 1e30), np.float32)
@@ -130,9 +158,11 @@ class Occluders:
     def _nearest(self, origins, directions, obscurance: Obscurance) -> NDArray[np.float64]:
         """Distance in world units to the nearest hit that counts, ``inf`` where there is none."""
         distance = np.full(len(origins), np.inf)
-        if self.triangle_count:
-            first = self._first_front if obscurance.ignore_backfaces else self._first
-            distance = first(origins, directions) / self.scale
+        if len(self.triangles):
+            if obscurance.ignore_backfaces:
+                distance = self._first_front(origins, directions).distance / self.scale
+            else:
+                distance = self._first(origins, directions) / self.scale
         if self.ground_height is not None:
             distance = np.minimum(distance, self._ground(origins, directions))
         return distance
@@ -141,24 +171,51 @@ class Occluders:
         distance = self._scene.run(origins, directions, query="DISTANCE").astype(np.float64)
         return np.where(distance < 1e30, distance, np.inf)
 
-    def _first_front(self, origins, directions) -> NDArray[np.float64]:
-        """As :meth:`_first`, but rays go on through faces hit from behind."""
-        distance = np.full(len(origins), np.inf)
+    def hits(self, origins: NDArray[np.float32], directions: NDArray[np.float32], obscurance: Obscurance) -> Hits:
+        """What each ray (r, 3) meets first, and how much it blocks: ``visible`` is as from :meth:`visibility`."""
+        if not len(self.triangles):
+            hits = _no_hits(len(origins))
+        elif obscurance.ignore_backfaces:
+            hits = self._first_front(origins, directions)
+        else:
+            found = self._scene.run(origins, directions, query="INTERSECT", output=True)
+            behind = np.einsum("ij,ij->i", found["Ng"], directions) > 0.0
+            hits = Hits(np.empty(len(origins)), found["primID"], found["tfar"], found["Ng"], behind)
+        if self.ground_height is not None:
+            floor = self._ground(origins, directions) * self.scale
+            lower = np.flatnonzero(floor < np.where(hits.triangle >= 0, hits.distance, np.inf))
+            hits.triangle[lower], hits.distance[lower] = len(self.triangles), floor[lower]
+            hits.normal[lower], hits.behind[lower] = (0.0, 0.0, 1.0), False
+        missed = hits.triangle < 0
+        if obscurance.needs_distance:
+            hits.visible[:] = obscurance.rho(np.where(missed, np.inf, hits.distance) / self.scale)
+        else:
+            hits.visible[:] = missed
+            if np.isfinite(obscurance.max_distance):
+                hits.visible[hits.distance > obscurance.max_distance * self.scale] = 1.0
+        hits.triangle[hits.visible == 1.0] = -1
+        return hits
+
+    def _first_front(self, origins, directions) -> Hits:
+        """What each ray meets first from the front; it goes on through faces that it hits from behind."""
+        hits = _no_hits(len(origins))
         travelled = np.zeros(len(origins))
         alive = np.arange(len(origins))
         start = origins
         while len(alive):
             hit = self._scene.run(start, directions[alive], query="INTERSECT", output=True)
-            found = hit["primID"] >= 0
+            found = np.flatnonzero(hit["primID"] >= 0)
             alive, t, normal = alive[found], hit["tfar"][found].astype(np.float64), hit["Ng"][found]
             travelled[alive] += t
             front = np.einsum("ij,ij->i", normal, directions[alive]) < 0.0
-            distance[alive[front]] = travelled[alive[front]]
+            met = alive[front]
+            hits.distance[met], hits.triangle[met] = travelled[met], hit["primID"][found[front]]
+            hits.normal[met] = normal[front]
             alive = alive[~front]
             # A step past the face, as small as float32 resolves at this distance.
             travelled[alive] += OFFSET_PER_COORDINATE * (np.abs(origins[alive]).max(axis=1) + travelled[alive])
             start = (origins[alive] + travelled[alive, None] * directions[alive]).astype(np.float32)
-        return distance
+        return hits
 
     def _ground(self, origins, directions) -> NDArray[np.float64]:
         """Distance in world units to the floor, ``inf`` for rays that rise."""
@@ -169,3 +226,13 @@ class Occluders:
         distance = np.full(len(origins), np.inf)
         np.divide(height, down * self.scale, out=distance, where=down > 0.0)
         return distance
+
+
+def _no_hits(rays: int) -> Hits:
+    return Hits(
+        np.empty(rays),
+        np.full(rays, -1, np.int32),
+        np.full(rays, np.inf),
+        np.zeros((rays, 3), np.float32),
+        np.zeros(rays, bool),
+    )

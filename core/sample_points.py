@@ -20,6 +20,9 @@ from .surface import INSET, Surface
 
 # Side of the square of texels that is traced together: most of its texels lie on one piece of the surface.
 TILE = 32
+# The root of x^3 = x + 1, on which the R2 sequence rests (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom
+# Sequences").
+PLASTIC = 1.32471795724474602596
 
 
 class SamplePoints(Protocol):
@@ -88,6 +91,22 @@ class TexelPoints:
         return self._corners.at(self._texels.triangle[block], v, w)
 
 
+def spread_points(corners: CornerTable, count: int) -> SurfacePoints:
+    """``count`` points spread evenly over the area of a surface.
+
+    Triangles get theirs by equal steps of area, and in a triangle they follow Roberts' R2 sequence, folded over the
+    diagonal of the unit square.
+    """
+    index = np.arange(count)
+    area = np.cumsum(corners.areas())
+    triangle = np.searchsorted(area, (index + 0.5) / max(count, 1) * area[-1], side="right").clip(0, len(area) - 1)
+    v, w = (0.5 + np.outer(1.0 / PLASTIC ** np.array((1.0, 2.0)), index)) % 1.0
+    over = v + w > 1.0
+    v[over], w[over] = 1.0 - v[over], 1.0 - w[over]
+    positions, normals = corners.at(triangle, v, w)
+    return SurfacePoints(positions.T, normals.T)
+
+
 def texel_places(samples: int) -> int:
     """How many places of a texel share its ``samples`` rays: a quarter as many as each has rays, from 1 to 16."""
     return max(1, min(16, math.isqrt(samples) // 2))
@@ -102,6 +121,11 @@ class CornerTable:
     def __init__(self, surface: Surface):
         self._positions = _corners_first(surface.vertices[surface.vertex_triangles])
         self._normals = _corners_first(surface.corner_normals[surface.triangles])
+
+    def areas(self) -> NDArray[np.float64]:
+        """Of the triangles, (m,)."""
+        a, b, c = self._positions
+        return 0.5 * np.sqrt(np.square(np.cross(b - a, c - a, axis=0)).sum(axis=0))
 
     def at(
         self, triangle: NDArray[np.integer], v: NDArray[np.float64], w: NDArray[np.float64]

@@ -62,8 +62,11 @@ class Pattern:
     cosine: NDArray[np.float64]
 
 
-def hemisphere_pattern(samples: int, density: Density = "mixture") -> Pattern:
+def hemisphere_pattern(samples: int, density: Density = "mixture", shift: float = 0.5) -> Pattern:
     """The Fibonacci pattern of ``samples`` directions, with importance weights for alpha and k_A.
+
+    shift  in (0, 1), where in its slice each elevation lies. Few samples need patterns of many shifts for their points:
+           the error that one and the same set of elevations makes is not noise, which means would remove
 
     alpha wants uniform directions and k_A cosine-weighted ones, and both come from the same rays. Half of each,
     weighted by the balance heuristic (Veach 1995), keeps both weights bounded, where cosine directions alone give
@@ -72,7 +75,7 @@ def hemisphere_pattern(samples: int, density: Density = "mixture") -> Pattern:
     if samples < 1:
         raise ValueError(f"samples must be at least 1, not {samples}")
     index = np.arange(samples)
-    z = hemisphere_elevation((index + 0.5) / samples, density)
+    z = hemisphere_elevation((index + shift) / samples, density)
     azimuth = 2.0 * np.pi * np.mod(index / GOLDEN_RATIO, 1.0)
     radius = np.sqrt(1.0 - z * z)
     directions = np.column_stack((radius * np.cos(azimuth), radius * np.sin(azimuth), z))
@@ -89,6 +92,29 @@ def _exact_weights(weights: NDArray[np.float64]) -> NDArray[np.float64]:
     units = np.rint(weights / weights.sum() * 2.0**40)
     units[np.argmax(units)] += 2.0**40 - units.sum()
     return units / 2.0**40
+
+
+def deal(pattern: Pattern, places: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The rays of each place: directions (places, r, 3) and weights (places, r, 5), zero for rays that only fill up.
+
+    Every place gets one of each ``places`` directions in turn. Which one moves on by two: always the same would be, for
+    8 places or another Fibonacci number, one arm of the pattern's spirals. A place's rays go around its normal, so that
+    one finds in the cache what the last one met.
+
+    The weights say what a visible ray adds to F0, alpha and the mean direction's x, y, z. They are multiples of 2^-40,
+    like the pattern's own, so that the product sums them without rounding in any order. The pattern's directions are
+    not quite balanced about the normal; taking their mean x and y from each (a control variate) makes an open point's
+    bent direction its normal.
+    """
+    sideways = pattern.uniform @ (pattern.directions * (1.0, 1.0, 0.0))
+    bent = np.rint((pattern.directions - sideways) * pattern.uniform[:, None] * 2.0**40) / 2.0**40
+    weights = np.column_stack((pattern.cosine, pattern.uniform, bent))
+    count = len(weights)
+    azimuth = np.arctan2(pattern.directions[:, 1], pattern.directions[:, 0])
+    turn = np.arange(-(-count // places))[:, None]
+    dealt = (turn * places + (np.arange(places) + 2 * turn) % places).T
+    dealt = np.take_along_axis(dealt, np.argsort(azimuth[dealt % count], axis=1, kind="stable"), axis=1)
+    return pattern.directions[dealt % count], np.where(dealt[..., None] < count, weights[dealt % count], 0.0)
 
 
 def turns(index: ArrayLike, seed: int) -> NDArray[np.float64]:

@@ -20,9 +20,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .final_gather import gather
+from .light_cache import LightCache
 from .rays import Obscurance, Occluders
 from .sample_points import SamplePoints
-from .sampling import Pattern, carried_frames, turns
+from .sampling import Pattern, carried_frames, deal, turns
 from .workers import Workers, slices
 
 # Rays in flight a thread, few enough for the cache. Fixed, because results must not depend on the machine.
@@ -37,15 +39,20 @@ SERIAL_PRODUCT = 2**18
 
 @dataclass(frozen=True)
 class Visibility:
-    """What n points see. f0 (n,), alpha (n,) in [0, 1]; bent (n, 3), length at most 1, world axes. All float32."""
+    """What n points see. f0 (n,), alpha (n,) in [0, 1]; bent (n, 3), length at most 1, world axes. All float32.
+
+    gathered  (n, 3) float64, one bounce of each field of the light cache; None without a cache
+    """
 
     f0: NDArray[np.float32]
     alpha: NDArray[np.float32]
     bent: NDArray[np.float32]
+    gathered: NDArray[np.float64] | None = None
 
     def __getitem__(self, part: slice) -> Visibility:
         """What a slice of the points sees."""
-        return Visibility(self.f0[part], self.alpha[part], self.bent[part])
+        gathered = None if self.gathered is None else self.gathered[part]
+        return Visibility(self.f0[part], self.alpha[part], self.bent[part], gathered)
 
 
 def trace_visibility(
@@ -54,6 +61,7 @@ def trace_visibility(
     pattern: Pattern,
     *,
     extent: float,
+    cache: LightCache | None = None,
     obscurance: Obscurance | None = None,
     seed: int = 0,
     threads: int | None = None,
@@ -61,6 +69,7 @@ def trace_visibility(
     """Trace ``pattern`` from each point; yields the number of points done so far, returns their :class:`Visibility`.
 
     extent   size of the surface that the points lie on, world units: the ray offset is a fraction of it
+    cache    light of the surfaces around, for the rays to gather; without it, rays only tell whether they are blocked
     seed     turns the pattern; equal seeds give equal bits, whatever the number of threads
     threads  default: one a core
 
@@ -68,7 +77,7 @@ def trace_visibility(
     """
     obscurance = obscurance or Obscurance()
     order, places = points.order(), points.places
-    directions, weights = _deal(pattern, places)
+    directions, weights = deal(pattern, places)
     # Turned directions as one product, entries of frames (.., 9) by (places, 9, 3r): numpy's batch of 3x3 products is
     # slower.
     to_rays = np.stack([np.kron(each.T, np.eye(3)) for each in directions]).astype(np.float32)
@@ -77,26 +86,33 @@ def trace_visibility(
     rows = max(1, SERIAL_PRODUCT // (to_rays.shape[1] * to_rays.shape[2]))
     window_size = max(block_size, PLACES_PER_WINDOW // places // block_size * block_size)
     buffers = threading.local()
+    ray = np.arange(places * rays_per_place, dtype=np.uint32)
+    sky, fields = weights.shape[2], 0 if cache is None else len(cache.light)
     result = Visibility(
-        np.empty(len(points), np.float32), np.empty(len(points), np.float32), np.empty((len(points), 3), np.float32)
+        np.empty(len(points), np.float32),
+        np.empty(len(points), np.float32),
+        np.empty((len(points), 3), np.float32),
+        np.empty((len(points), fields)) if cache else None,
     )
 
     def trace_window(workers: Workers, window: NDArray[np.intp]) -> Generator[int, None, None]:
         size = len(window)
         start = np.empty((size, places, 3), np.float32)
         frame = np.empty((size, places, 3, 3), np.float32)
-        sums = np.empty((size, places, weights.shape[2]))
+        sums = np.empty((size, places, sky + fields))
+        number = points.number(window)
 
         def prepare(part: slice) -> int:
             positions, normals = points.at(window[part])
             start[part] = np.moveaxis(occluders.origins(positions, normals, extent), 0, 2)
-            frame[part] = carried_frames(normals, turns(points.number(window[part]), seed))
+            frame[part] = carried_frames(normals, turns(number[part], seed))
             return 0
 
         def trace(part: slice) -> int:
             count = part.stop - part.start
             if not hasattr(buffers, "rays"):
                 buffers.rays, buffers.visible = _buffers((2, block_size, places, rays_per_place, 3))
+                buffers.light = np.empty((fields, buffers.visible.size))
             origins, directions = buffers.rays[:, :count]
             _triples(origins)[...] = _triples(start[part])[..., None]
             by_place = directions.reshape(count, places, -1).swapaxes(0, 1)
@@ -104,14 +120,26 @@ def trace_visibility(
             for row in range(0, count, rows):
                 np.matmul(turned[:, row : row + rows], to_rays, out=by_place[:, row : row + rows])
             visible = buffers.visible[: origins.size // 3]
-            occluders.visibility(origins.reshape(-1, 3), directions.reshape(-1, 3), obscurance, out=visible)
-            np.matmul(visible.reshape(count, places, -1).swapaxes(0, 1), weights, out=sums[part].swapaxes(0, 1))
+            rays = origins.reshape(-1, 3), directions.reshape(-1, 3)
+            total = sums[part].swapaxes(0, 1)
+            if cache is None:
+                occluders.visibility(*rays, obscurance, out=visible)
+            else:
+                names = (number[part, None].astype(np.uint32) * np.uint32(places * rays_per_place) + ray).reshape(-1)
+                light = buffers.light[:, : visible.size]
+                gather(occluders, cache, obscurance, *rays, names, seed, visible, light, extent=extent)
+                for field, values in enumerate(light):
+                    by_place = values.reshape(count, places, -1).swapaxes(0, 1)
+                    np.matmul(by_place, weights[:, :, :1], out=total[:, :, sky + field : sky + field + 1])
+            np.matmul(visible.reshape(count, places, -1).swapaxes(0, 1), weights, out=total[:, :, :sky])
             return count
 
         def sum_up(part: slice) -> int:
             f0, alpha = sums[part, :, 0].sum(axis=1), sums[part, :, 1].sum(axis=1)
+            if cache:
+                result.gathered[window[part]] = sums[part, :, sky:].sum(axis=1)
             # Points last, so that numpy runs along them.
-            local = np.ascontiguousarray(sums[part, :, 2:].T)
+            local = np.ascontiguousarray(sums[part, :, 2:sky].T)
             bent = (local[:, None] * np.ascontiguousarray(frame[part].transpose(2, 3, 1, 0))).sum(axis=(0, 2)).T
             result.f0[window[part]] = f0
             result.alpha[window[part]] = alpha
@@ -146,26 +174,3 @@ def _buffers(shape: tuple[int, ...]) -> tuple[NDArray[np.float32], NDArray[np.fl
 def _triples(vectors: NDArray[np.float32]) -> NDArray[np.void]:
     """Vectors (..., 3) as (...) elements: numpy copies those in one go."""
     return vectors.view(np.dtype((np.void, 12)))[..., 0]
-
-
-def _deal(pattern: Pattern, places: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The rays of each place: directions (places, r, 3) and weights (places, r, 5), zero for rays that only fill up.
-
-    Every place gets one of each ``places`` directions in turn. Which one moves on by two: always the same would be, for
-    8 places or another Fibonacci number, one arm of the pattern's spirals. A place's rays go around its normal, so that
-    one finds in the cache what the last one met.
-
-    The weights say what a visible ray adds to F0, alpha and the mean direction's x, y, z. They are multiples of 2^-40,
-    like the pattern's own, so that the product sums them without rounding in any order. The pattern's directions are
-    not quite balanced about the normal; taking their mean x and y from each (a control variate) makes an open point's
-    bent direction its normal.
-    """
-    sideways = pattern.uniform @ (pattern.directions * (1.0, 1.0, 0.0))
-    bent = np.rint((pattern.directions - sideways) * pattern.uniform[:, None] * 2.0**40) / 2.0**40
-    weights = np.column_stack((pattern.cosine, pattern.uniform, bent))
-    count = len(weights)
-    azimuth = np.arctan2(pattern.directions[:, 1], pattern.directions[:, 0])
-    turn = np.arange(-(-count // places))[:, None]
-    dealt = (turn * places + (np.arange(places) + 2 * turn) % places).T
-    dealt = np.take_along_axis(dealt, np.argsort(azimuth[dealt % count], axis=1, kind="stable"), axis=1)
-    return pattern.directions[dealt % count], np.where(dealt[..., None] < count, weights[dealt % count], 0.0)

@@ -6,7 +6,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
-from typing import TypeVar
+from typing import Any, TypeVar
 
 Part = TypeVar("Part")
 Result = TypeVar("Result")
@@ -61,15 +61,35 @@ class Workers:
 
     def map(self, task: Callable[[Part], Result], parts: Sequence[Part]) -> list[Result]:
         """What ``task`` returns for each of ``parts``, in their order, when all are done."""
+        working = self.mapping(task, parts)
+        while True:
+            try:
+                next(working)
+            except StopIteration as finished:
+                return finished.value
+
+    def mapping(self, task: Callable[[Part], Result], parts: Sequence[Part]) -> Generator[float, None, list[Result]]:
+        """As :meth:`map`, as a generator that yields the fraction done."""
         results: list[Result] = [None] * len(parts)
 
         def keep(index: int) -> int:
             results[index] = task(parts[index])
-            return 0
+            return 1
 
-        for _ in self.run(keep, range(len(parts))):
-            pass
+        for done in self.run(keep, range(len(parts))):
+            yield done / max(1, len(parts))
         return results
+
+
+def mapped(work: Generator[Any, None, Result], change: Callable[[Any], Any]) -> Generator[Any, None, Result]:
+    """The generator ``work`` with each yield passed through ``change``; closing this closes ``work``."""
+    try:
+        while True:
+            yield change(next(work))
+    except StopIteration as finished:
+        return finished.value
+    finally:
+        work.close()
 
 
 def slices(count: int, size: int) -> list[slice]:

@@ -36,5 +36,7 @@ class MULTIBOUNCE_AO_OT_add_nodes(bpy.types.Operator):
             self.report({"ERROR"}, problem)
             return {"CANCELLED"}
         if source is None:
-            self.report({"INFO"}, f"'{obj.name}' has no bake yet: connect an AO map to the group's AO input, or bake")
+            self.report(
+                {"INFO"}, f"'{obj.name}' has no bake yet: bake it, or connect an AO map to the group's first input"
+            )
         return {"FINISHED"}

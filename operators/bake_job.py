@@ -9,25 +9,25 @@ it was.
 from __future__ import annotations
 
 import time
-from collections.abc import Collection, Generator
+from collections.abc import Callable, Collection, Generator
 from functools import partial
 
 import bpy
 import numpy as np
 
-from ..core.rays import Obscurance
-from ..core.sampling import hemisphere_pattern
-from ..core.visibility import trace_visibility
+from ..core.rays import Occluders
+from ..core.workers import mapped
 from .bake_record import record_bake
 from .images import check_image_names, output_folder
 from .mesh_reader import evaluated_mesh, read_surface
 from .names import CHANNELS
 from .object_checks import check_evaluated, check_object
 from .occluder_scenes import OccluderScenes
-from .progress import Progress, mapped
+from .progress import Progress
 from .report import BakeError, ObjectReport
 from .settings import BakeSettings
 from .texture_target import TextureResult, bake_texture
+from .tracer import Tracer
 from .uv_layout import uv_map_name
 from .vertex_target import VertexResult, bake_vertices, check_attribute_names, vertex_points
 
@@ -55,13 +55,7 @@ def bake(
     reports = [ObjectReport(obj.name, settings.target, samples=settings.samples) for obj in objects]
     done: list[tuple[bpy.types.Object, ObjectReport, VertexResult | TextureResult | None]] = []
     scenes = OccluderScenes(context, objects, selected, settings)
-    trace = partial(
-        trace_visibility,
-        pattern=hemisphere_pattern(settings.samples),
-        obscurance=Obscurance(settings.max_distance or np.inf, settings.falloff, settings.ignore_backfaces),
-        seed=settings.seed,
-        threads=threads,
-    )
+    tracer = partial(Tracer, settings=settings, threads=threads)
     baked_meshes: dict[bpy.types.Mesh, ObjectReport] = {}
     for index, (obj, report) in enumerate(zip(objects, reports, strict=True)):
         started = time.perf_counter()
@@ -70,7 +64,7 @@ def bake(
         if settings.target == "VERTEX" and obj.data in baked_meshes:
             _share(baked_meshes[obj.data], report)
         else:
-            work = _bake_object(context, obj, settings, folder, scenes, trace, report, threads)
+            work = _bake_object(context, obj, settings, folder, scenes, tracer, report, threads)
             try:
                 result = yield from mapped(work, partial(_progress, index, len(objects), obj.name))
             except BakeError as error:
@@ -107,13 +101,13 @@ def _bake_object(
     settings: BakeSettings,
     folder: str,
     scenes: OccluderScenes,
-    trace,
+    tracer: Callable[[Occluders], Tracer],
     report: ObjectReport,
     threads: int | None,
 ) -> Generator[float, None, VertexResult | TextureResult]:
     """Compute the bake of one object; yields the fraction done. Raises BakeError."""
     check_object(obj, context.view_layer)
-    trace = partial(trace, scenes.scene_for(obj, report.warnings))
+    tracer = tracer(scenes.scene_for(obj, report.warnings))
     evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
     matrix = np.array(evaluated.matrix_world, np.float64)
     # Blender's mesh is only held while it is read: it may be gone after a yield.
@@ -121,12 +115,12 @@ def _bake_object(
         check_evaluated(mesh, matrix)
         if settings.target == "VERTEX":
             check_attribute_names(obj)
-            work = bake_vertices(obj.data, vertex_points(obj, mesh, matrix), matrix, trace, report)
+            work = bake_vertices(obj.data, vertex_points(obj, mesh, matrix), matrix, tracer, report)
         else:
             check_image_names(obj)
             uv_map = uv_map_name(mesh, settings.uv_map)
             work = bake_texture(
-                obj, read_surface(mesh, matrix, uv_map), uv_map, matrix, trace, report, settings, folder, threads
+                obj, read_surface(mesh, matrix, uv_map), uv_map, matrix, tracer, report, settings, folder, threads
             )
     return (yield from work)
 

@@ -94,7 +94,7 @@ def store_image(obj: bpy.types.Object, channel: str, pixels: NDArray[np.float32]
     """
     if folder:
         path = file_path(obj, channel, folder)
-        image = bpy.data.images.load(_as_blender_shows_it(path), check_existing=False)
+        image = bpy.data.images.load(as_blender_shows_it(path), check_existing=False)
     else:
         height, width = pixels.shape[:2]
         image = bpy.data.images.new(channel, width, height, alpha=True, float_buffer=True)
@@ -137,7 +137,7 @@ def _comparable(path: Path | str) -> str:
     return os.path.abspath(path).lower()
 
 
-def _as_blender_shows_it(path: Path) -> str:
+def as_blender_shows_it(path: Path) -> str:
     """``path`` relative to a saved .blend on the same drive, else absolute."""
     try:
         return bpy.path.relpath(str(path)) if bpy.data.filepath else str(path)

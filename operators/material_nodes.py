@@ -8,11 +8,14 @@ from dataclasses import dataclass
 
 import bpy
 
-from ..shader_nodes import multibounce_fit
-from .names import BENT_CONE, PROPERTY
+from ..shader_nodes import multibounce_ao, multibounce_fit
+from .names import BENT_CONE, MULTIBOUNCE_AO, PROPERTY
 
 # For each kind of bounces: the group, and which channel's output feeds which of its inputs.
-GROUPS = {"FITTED": (multibounce_fit, {"AO": (BENT_CONE, "Alpha")})}
+GROUPS = {
+    "FITTED": (multibounce_fit, {"AO": (BENT_CONE, "Alpha")}),
+    "BAKED": (multibounce_ao, {"Bounces": (MULTIBOUNCE_AO, "Color"), "Tail": (MULTIBOUNCE_AO, "Alpha")}),
+}
 
 # Set on a material whose nodes were off before we came.
 _NODES_WERE_OFF = "multibounce_ao_nodes_were_off"
@@ -130,25 +133,54 @@ def _feed(tree: bpy.types.NodeTree, groups: list, inputs: dict[str, tuple[str, s
     nodes = {}
     for socket, (channel, output) in inputs.items():
         if channel not in nodes:
-            nodes[channel] = _source_node(tree, channel, source, x, y)
+            nodes[channel] = _source(tree, channel, source, x, y)
             y -= 300
         for group in groups:
-            tree.links.new(nodes[channel].outputs[output], group.inputs[socket])
+            tree.links.new(nodes[channel][output], group.inputs[socket])
 
 
-def _source_node(tree: bpy.types.NodeTree, channel: str, source: BakedSource, x: float, y: float) -> bpy.types.Node:
+def _source(
+    tree: bpy.types.NodeTree, channel: str, source: BakedSource, x: float, y: float
+) -> dict[str, bpy.types.NodeSocket]:
+    """Outputs "Color" and "Alpha" of what was baked."""
     if source.images is None:
-        node = _new_node(tree, "ShaderNodeAttribute", x, y)
-        node.attribute_type = "GEOMETRY"
-        node.attribute_name = channel
-        return node
+        return _attribute(tree, channel, x, y)
     node = _new_node(tree, "ShaderNodeTexImage", x, y)
     node.image = source.images[channel]
     node.extension = "EXTEND"  # the tile's border must not blend with the opposite side
     uv_map = _new_node(tree, "ShaderNodeUVMap", x - 200, y)
     uv_map.uv_map = source.uv_map
     tree.links.new(uv_map.outputs["UV"], node.inputs["Vector"])
-    return node
+    return {name: node.outputs[name] for name in ("Color", "Alpha")}
+
+
+def _attribute(tree: bpy.types.NodeTree, channel: str, x: float, y: float) -> dict[str, bpy.types.NodeSocket]:
+    """A mesh that shares the material but was not baked shows as open.
+
+    What it lacks reads as black with alpha 1. For the cone that is open already; F0 = 0 would be a closed point, whose
+    T is below 1 in a bake (core.bounces.decay): where it is 1, F0 becomes 1.
+    """
+    node = _new_node(tree, "ShaderNodeAttribute", x, y)
+    node.attribute_type = "GEOMETRY"
+    node.attribute_name = channel
+    if channel != MULTIBOUNCE_AO:
+        return {name: node.outputs[name] for name in ("Color", "Alpha")}
+    node.location.x -= 400
+    is_baked = _new_node(tree, "ShaderNodeMath", x - 200, y - 160)
+    is_baked.operation, is_baked.label = "LESS_THAN", "Is Baked"
+    is_baked.inputs[1].default_value = 1.0
+    tree.links.new(node.outputs["Alpha"], is_baked.inputs[0])
+    mix = _new_node(tree, "ShaderNodeMix", x, y)
+    mix.data_type, mix.label = "RGBA", "Baked or Open"
+    factor, opened, baked = (next(s for s in mix.inputs if s.identifier == name) for name in _MIX_INPUTS)
+    opened.default_value = (1.0, 0.0, 0.0, 1.0)
+    tree.links.new(is_baked.outputs[0], factor)
+    tree.links.new(node.outputs["Color"], baked)
+    result = next(socket for socket in mix.outputs if socket.identifier == "Result_Color")
+    return {"Color": result, "Alpha": node.outputs["Alpha"]}
+
+
+_MIX_INPUTS = ("Factor_Float", "A_Color", "B_Color")
 
 
 def _new_node(tree: bpy.types.NodeTree, kind: str, x: float, y: float) -> bpy.types.Node:

@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
 
 import bpy
 import numpy as np
@@ -15,15 +16,31 @@ from .mesh_reader import evaluated_mesh, front_facing, read_corner_vertices, rea
 SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
 
 
-def read_occluders(
-    depsgraph: bpy.types.Depsgraph, owners: Collection[bpy.types.Object]
-) -> tuple[NDArray[np.float64], NDArray[np.int32], list[str]]:
-    """Triangles of the objects ``owners`` and of the instances they make (collections, geometry nodes, particles).
+@dataclass(frozen=True)
+class Blocker:
+    """One object or instance that blocks rays.
 
-    Returns vertices (n, 3) in world space, triangles (m, 3), and warnings. Triangles with NaN or infinite coordinates
-    are left out with a warning.
+    owner      original object that it belongs to
+    evaluated  what has the mesh; good until the next one is asked for, as all of Blender's instances
+    key        the same for instances of one mesh, which has the same materials
+    matrix     (4, 4) float64, to the world
+    points     (n, 3) float64, vertices in world space; zero where they are not finite
+    triangles  (m, 3) int32, counter-clockwise seen from the front; none with coordinates that are not finite
+    kept       which of the mesh's triangles these are, bool; None: all
     """
-    vertices, triangles, warnings, count = [np.empty((0, 3))], [np.empty((0, 3), np.int64)], [], 0
+
+    owner: bpy.types.Object
+    evaluated: bpy.types.Object
+    key: tuple[int, int]
+    matrix: NDArray[np.float64]
+    points: NDArray[np.float64]
+    triangles: NDArray[np.int32]
+    kept: NDArray[np.bool_] | None
+
+
+def blockers(depsgraph: bpy.types.Depsgraph, owners: Collection[bpy.types.Object]) -> Iterator[Blocker]:
+    """The objects ``owners`` and the instances they make (collections, geometry nodes, particles), in the order that
+    triangles of rays are numbered by."""
     local: dict[tuple[int, int], tuple[NDArray, NDArray]] = {}
     rendered: dict[tuple[bpy.types.Object, bpy.types.Object], bool] = {}
     for instance in depsgraph.object_instances:
@@ -44,18 +61,34 @@ def read_occluders(
         key = (original.as_pointer(), evaluated.data.as_pointer() if evaluated.data else 0)
         if key not in local:
             local[key] = _read_local(evaluated)
-        positions, faces = local[key]
+        positions, triangles = local[key]
         matrix = np.array(instance.matrix_world, np.float64)
         points = to_world(positions, matrix)
-        faces = front_facing(faces, matrix)
+        triangles, kept = front_facing(triangles, matrix), None
         finite = np.isfinite(points).all(axis=1)
         if not finite.all():
-            faces = faces[finite[faces].all(axis=1)]
+            kept = finite[triangles].all(axis=1)
+            triangles = triangles[kept]
             points[~finite] = 0.0
-            warnings.append(f"'{owner.name}' has vertices without finite coordinates: their faces block no light")
-        vertices.append(points)
-        triangles.append(faces + count)
-        count += len(points)
+        yield Blocker(owner, evaluated, key, matrix, points, triangles, kept)
+
+
+def read_occluders(
+    depsgraph: bpy.types.Depsgraph, owners: Collection[bpy.types.Object]
+) -> tuple[NDArray[np.float64], NDArray[np.int32], list[str]]:
+    """Triangles of the :func:`blockers`.
+
+    Returns vertices (n, 3) in world space, triangles (m, 3), and warnings. Triangles with NaN or infinite coordinates
+    are left out with a warning.
+    """
+    vertices, triangles, warnings, count = [np.empty((0, 3))], [np.empty((0, 3), np.int64)], [], 0
+    for blocker in blockers(depsgraph, owners):
+        if blocker.kept is not None:
+            name = blocker.owner.name
+            warnings.append(f"'{name}' has vertices without finite coordinates: their faces block no light")
+        vertices.append(blocker.points)
+        triangles.append(blocker.triangles + count)
+        count += len(blocker.points)
     return np.concatenate(vertices), np.concatenate(triangles).astype(np.int32), warnings
 
 

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Generators that yield their progress and return their result: how to pass them on, and how to run them."""
+"""The progress of a bake: what is told, and to whom."""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Generator
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import TypeVar
 
 Result = TypeVar("Result")
 
@@ -17,17 +17,6 @@ class Progress:
 
     fraction: float
     name: str
-
-
-def mapped(work: Generator[Any, None, Result], change: Callable[[Any], Any]) -> Generator[Any, None, Result]:
-    """``work`` with each yield passed through ``change``; closing this closes ``work``."""
-    try:
-        while True:
-            yield change(next(work))
-    except StopIteration as finished:
-        return finished.value
-    finally:
-        work.close()
 
 
 def drive(work: Generator[Progress, None, Result], show: Callable[[Progress], None]) -> Result:

@@ -69,9 +69,12 @@ class MultibounceAOSettings(bpy.types.PropertyGroup):
     )
     bounces: EnumProperty(
         name="Bounces",
-        description="How the light that arrives after the first bounce is found",
-        items=(("FITTED", "Fitted", "The published fit, from ambient occlusion alone"),),
-        default="FITTED",
+        description="How the light that comes from other surfaces is found",
+        items=(
+            ("FITTED", "Fitted", "By the published fit, from ambient occlusion alone"),
+            ("BAKED", "Baked", "Measured at each point: light that bounces off all occluders"),
+        ),
+        default="BAKED",
     )
     use_material_nodes: BoolProperty(
         name="Material Nodes",
@@ -114,6 +117,21 @@ class MultibounceAOSettings(bpy.types.PropertyGroup):
         # Said since 4.5, which warns of "//" without it; 4.2 does not know the word.
         options={"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5, 0) else set(),
     )
+    height_map: PointerProperty(
+        type=bpy.types.Image,
+        name="Height Map",
+        description="Image that bounce curves are simulated on, as relief that repeats. Empty: the active object",
+        poll=lambda self, image: image.source != "VIEWER",
+    )
+    height_map_amplitude: FloatProperty(
+        name="Amplitude",
+        description="Height of white over black in the height map, as a fraction of its width",
+        default=0.04,
+        min=0.0,
+        soft_max=0.5,
+        precision=3,
+        subtype="FACTOR",
+    )
 
 
 @dataclass(frozen=True)
@@ -146,7 +164,7 @@ class BakeSettings:
 
 def set_from_text(settings: bpy.types.PropertyGroup, name: str, text: str) -> None:
     """Set the property ``name`` from ``text``. Raises ValueError that says what would be right."""
-    names = BakeSettings.__dataclass_fields__
+    names = [prop.identifier for prop in settings.bl_rna.properties if prop.identifier not in {"rna_type", "name"}]
     if name not in names:
         raise ValueError(f"there is no setting '{name}': choose among {', '.join(names)}")
     prop = settings.bl_rna.properties[name]
@@ -177,6 +195,11 @@ def set_from_text(settings: bpy.types.PropertyGroup, name: str, text: str) -> No
             raise ValueError(f"write {noun}") from None
         if not prop.hard_min <= value <= prop.hard_max:
             raise ValueError(f"write {noun} from {prop.hard_min:g} to {prop.hard_max:g}")
+    elif prop.type == "POINTER":
+        value = bpy.data.images.get(text)
+        if value is None and text:
+            images = ", ".join(f"'{image.name}'" for image in bpy.data.images)
+            raise ValueError(f"choose among the images of the .blend: {images or 'it has none'}")
     else:
         value = text
     setattr(settings, name, value)

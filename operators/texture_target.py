@@ -10,23 +10,25 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.channels import bent_cone, fitted_bounces
+from ..core.channels import bent_cone
 from ..core.exr import write_exr
 from ..core.margin import extend_margin
 from ..core.rasterise import bands, rasterise
-from ..core.sample_points import CornerTable, TexelPoints, texel_places
+from ..core.sample_points import CornerTable, TexelPoints, spread_points, texel_places
 from ..core.surface import Surface
-from ..core.workers import Workers, slices
+from ..core.workers import Workers, mapped, slices
 from .images import file_path, store_image
 from .mesh_reader import linear_inverse
 from .names import BENT_CONE, MULTIBOUNCE_AO
-from .progress import mapped
 from .report import BakeError, ObjectReport, statistics
 from .settings import BakeSettings
-from .uv_layout import check_layout, overlaps
+from .tracer import LIGHT_SHARE, Tracer
+from .uv_layout import check_layout, expected_texels, overlaps
 
 # Texels whose channels a thread computes together.
 TEXELS_PER_PART = 2**15
+# Points all over the surface from which the light around it is found.
+PROBES = 2**16
 
 
 @dataclass(frozen=True)
@@ -54,7 +56,7 @@ def bake_texture(
     surface: Surface,
     uv_map: str,
     matrix: NDArray,
-    trace,
+    tracer: Tracer,
     report: ObjectReport,
     settings: BakeSettings,
     folder: str,
@@ -62,7 +64,6 @@ def bake_texture(
 ) -> Generator[float, None, TextureResult]:
     """Bake the texels of ``obj``, whose evaluated ``surface`` has the UVs of ``uv_map``; yields the fraction done.
 
-    ``trace(points, extent=...)`` is :func:`core.visibility.trace_visibility` with its scene and settings bound;
     ``matrix`` (4, 4) places the object; ``threads`` rasterise. Raises BakeError where the UV map leaves nothing to
     bake.
     """
@@ -76,16 +77,23 @@ def bake_texture(
     covered = np.zeros(size * size, bool)
     places = texel_places(settings.samples)
     corners = CornerTable(surface)
+    lighting = tracer.light(spread_points(corners, PROBES), expected_texels(triangle_uv, size), surface.extent)
+    cache = yield from mapped(lighting, lambda done: LIGHT_SHARE * done)
+    begin = LIGHT_SHARE if cache else 0.0
     for first, last in bands(size, size, places):
         texels = rasterise(triangle_uv, size, size, places, (first, last), threads)
         if not len(texels.texel):
             continue
-        tracing = trace(TexelPoints(corners, texels, size), extent=surface.extent)
+        tracing = tracer.visibility(TexelPoints(corners, texels, size), surface.extent, cache)
         rows = (last - first) / len(texels.texel)
-        visibility = yield from mapped(tracing, lambda done, first=first, rows=rows: (first + done * rows) / size)
+
+        def fraction(done: int, first=first, rows=rows) -> float:
+            return begin + (1.0 - begin) * (first + done * rows) / size
+
+        visibility = yield from mapped(tracing, fraction)
 
         def fill(part: slice, texel=texels.texel, visibility=visibility) -> None:
-            bounces[texel[part]] = fitted_bounces(visibility[part])
+            bounces[texel[part]] = tracer.channels(visibility[part])
             cone[texel[part]] = bent_cone(visibility[part], world_to_object)
             covered[texel[part]] = True
 

@@ -52,6 +52,11 @@ def overlaps(triangle_uv: NDArray[np.float64], covered: int, size: int) -> bool:
     return bool(_area(triangle_uv[inside]).sum() * size * size > 1.001 * covered)
 
 
+def expected_texels(triangle_uv: NDArray[np.float64], size: int) -> int:
+    """About how many texels of a ``size`` image a layout covers that does not overlap itself."""
+    return int(min(1.0, np.nansum(_area(triangle_uv))) * size * size)
+
+
 def _area(triangle_uv: NDArray[np.float64]) -> NDArray[np.float64]:
     """Area (m,) of triangles (m, 3, 2)."""
     a, b, c = np.moveaxis(triangle_uv, 1, 0)

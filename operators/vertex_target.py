@@ -10,14 +10,15 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.channels import bent_cone, fitted_bounces
+from ..core.channels import bent_cone
 from ..core.sample_points import CornerTable, SurfacePoints
 from ..core.surface import extent_of, unit
+from ..core.workers import mapped
 from .mesh_reader import linear_inverse, read, read_corner_vertices, read_positions, read_surface, to_world
 from .names import BENT_CONE, CHANNELS, MULTIBOUNCE_AO
 from .nearest_point import nearest_points
-from .progress import mapped
 from .report import BakeError, ObjectReport, statistics
+from .tracer import LIGHT_SHARE, Tracer
 
 # Modifiers that keep the original vertices, in their order: before new ones, and without new ones.
 SUBDIVIDE = {"SUBSURF", "MULTIRES"}
@@ -63,12 +64,9 @@ class VertexResult:
 
 
 def bake_vertices(
-    mesh: bpy.types.Mesh, points: VertexPoints, matrix: NDArray, trace, report: ObjectReport
+    mesh: bpy.types.Mesh, points: VertexPoints, matrix: NDArray, tracer: Tracer, report: ObjectReport
 ) -> Generator[float, None, VertexResult]:
-    """Trace the ``points`` of ``mesh``, which ``matrix`` (4, 4) places in the world; yields the fraction done.
-
-    ``trace(points, extent=...)`` is :func:`core.visibility.trace_visibility` with its scene and settings bound.
-    """
+    """Trace the ``points`` of ``mesh``, which ``matrix`` (4, 4) places in the world; yields the fraction done."""
     report.points = len(points.positions)
     if points.moved is not None:
         away = f"up to {points.moved:.3g} away" if points.moved > 1e-3 * points.extent else "where they lie on it"
@@ -76,13 +74,16 @@ def bake_vertices(
             "Modifiers change the topology: the original vertices were baked at the nearest point of the modified "
             f"surface, {away}"
         )
-    tracing = trace(SurfacePoints(points.positions, points.normals), extent=points.extent)
-    visibility = yield from mapped(tracing, lambda done: done / report.points)
+    starts = SurfacePoints(points.positions, points.normals)
+    cache = yield from mapped(tracer.light(starts, len(starts), points.extent), lambda done: LIGHT_SHARE * done)
+    begin = LIGHT_SHARE if cache else 0.0
+    tracing = tracer.visibility(starts, points.extent, cache)
+    visibility = yield from mapped(tracing, lambda done: begin + (1.0 - begin) * done / report.points)
     report.f0 = statistics(visibility.f0)
     return VertexResult(
         mesh,
         points.domain,
-        fitted_bounces(visibility)[points.element_point],
+        tracer.channels(visibility)[points.element_point],
         bent_cone(visibility, linear_inverse(matrix))[points.element_point],
     )
 

@@ -47,7 +47,7 @@ def ensure_group(
     links and values. A group of the same or a newer version is returned as it is. ``build(tree)`` adds the nodes to a
     tree that has its interface and is otherwise empty.
     """
-    tree, free_name = _find(name)
+    tree, free_name = find_group(name)
     if tree is None:
         tree = bpy.data.node_groups.new(free_name, "ShaderNodeTree")
     elif tree.get(_VERSION_KEY, 0) >= version:
@@ -61,8 +61,8 @@ def ensure_group(
     return tree
 
 
-def _find(name: str) -> tuple[bpy.types.ShaderNodeTree | None, str]:
-    """Our local group, or None and a name that is free for it."""
+def find_group(name: str) -> tuple[bpy.types.ShaderNodeTree | None, str]:
+    """Our local group ``name``, or None and a name that is free for it."""
     free_name = name
     # the key (name, None) finds local data only
     while (tree := bpy.data.node_groups.get((free_name, None))) is not None:

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import bpy
 
-from .expression import Graph, clamp
+from ..core.multibounce import MOST_TAIL, TAIL_ALBEDO
+from .expression import Graph, clamp, maximum, minimum
 from .group import Socket, ensure_group
 from .shading import BASE_COLOR, COLOR, FACTOR, IRRADIANCE, shade
 
 NAME = "Multibounce AO"
-VERSION = 1
+VERSION = 2
 
 _INPUTS = (
     Socket(
@@ -56,12 +57,18 @@ def _build(tree: bpy.types.ShaderNodeTree) -> None:
         left = left_after_f0 - f1
         f2 = clamp(f2, 0, left).named("F2")
     # 1 - T instead of T: 1 - albedo T, as written, loses its digits where both are nearly 1.
-    with graph.frame("1 - T, so that all later bounces stay within what is left"):
-        loss = clamp(1 - graph.input("Tail"), f2 / left, 1).named("loss")
+    with graph.frame("1 - T, so that later bounces stay within what is left"):
+        left_after_f2 = left - f2
+        least = (f2 - (1 - TAIL_ALBEDO) * left_after_f2) / (f2 + TAIL_ALBEDO * left_after_f2)
+        loss = clamp(1 - graph.input("Tail"), maximum(least, 1 - MOST_TAIL), 1).named("loss")
     with graph.frame("E/E0 = F0 + albedo F1 + albedo^2 F2 / (1 - albedo T)"):
         albedo = clamp(graph.input("Base Color"), 0, 1).named("albedo")
-        rest = (f2 / (1 - albedo + albedo * loss)).named("rest")
-        factor = (f0 + albedo * (f1 + albedo * rest)).named("E/E0")
+        dark = (1 - albedo).named("1 - albedo")
+        series = (f0 + albedo * (f1 + albedo * (f2 / (dark + albedo * loss)))).named("series")
+    with graph.frame(f"from albedo {TAIL_ALBEDO} on at most the straight line to 1"):
+        rest = TAIL_ALBEDO * f2 / (1 - TAIL_ALBEDO + TAIL_ALBEDO * loss)
+        missing = (1 - (f0 + TAIL_ALBEDO * (f1 + rest))).named("missing")
+        factor = minimum(series, 1 - missing * minimum(dark / (1 - TAIL_ALBEDO), 1)).named("E/E0")
     shade(graph, factor)
     graph.output("AO", f0)
     graph.arrange()

@@ -23,6 +23,9 @@ BAKES = {
 }
 
 
+pytestmark = pytest.mark.usefixtures("fitted")
+
+
 def no_material():
     return [plate()]
 

@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 import pytest
 
-from .bakes import BENT_CONE, alpha, attribute, bake, reports, select
+from .bakes import BENT_CONE, MULTIBOUNCE_AO, alpha, attribute, bake, reports, select
 from .materials import bsdf, group, material, source, textured_material
 from .meshes import box, plate
 
@@ -47,11 +47,27 @@ def corner_values(obj, values):
 def test_rendered_colour_is_that_of_all_bounces():
     floor = under_a_box()
     floor.data.materials.append(material(colour=(0.8, 0.4, 0.2, 1)))
-    bake(floor)
+    bake(floor, bounces="FITTED")
     a = corner_values(floor, alpha(floor))[:, None]
     assert np.ptp(a) > 0.1
     rho = np.array([0.8, 0.4, 0.2])
     np.testing.assert_allclose(diffuse_colour(floor), rho * published_factor(a, rho), atol=2e-3)
+
+
+def baked_factor(channels, rho):
+    """E/E0 = F0 + rho F1 + rho^2 F2 / (1 - rho T), whatever the guards of T: rho is below 0.9."""
+    f0, f1, f2, tail = channels.T[:, :, None]
+    return f0 + rho * f1 + rho**2 * f2 / (1 - rho * tail)
+
+
+def test_rendered_colour_of_baked_bounces():
+    floor = under_a_box()
+    floor.data.materials.append(material(colour=(0.8, 0.4, 0.2, 1)))
+    bake(floor, bounces="BAKED", samples=256)
+    channels = corner_values(floor, attribute(floor))
+    assert np.ptp(channels, axis=0).min() > 0.02
+    rho = np.array([0.8, 0.4, 0.2])
+    np.testing.assert_allclose(diffuse_colour(floor), rho * baked_factor(channels, rho), atol=2e-3)
 
 
 def test_rendered_colour_from_the_texture():
@@ -61,46 +77,51 @@ def test_rendered_colour_from_the_texture():
     other.uv.foreach_set("vector", np.zeros(2 * len(floor.data.loops), np.float32))
     other.active = other.active_render = True
     floor.data.materials.append(material(colour=(0.8, 0.4, 0.2, 1)))
-    bake(floor, samples=1024)
+    bake(floor, samples=1024, bounces="FITTED")
     a = corner_values(floor, alpha(floor))[:, None]
     bake(floor, samples=1024, target="TEXTURE", uv_map="UVMap", resolution=128)
     rho = np.array([0.8, 0.4, 0.2])
     np.testing.assert_allclose(diffuse_colour(floor), rho * published_factor(a, rho), atol=0.02)
 
 
-def test_other_objects_of_the_same_material_keep_their_look():
+@pytest.mark.parametrize("bounces", ["FITTED", "BAKED"])
+def test_other_objects_of_the_same_material_keep_their_look(bounces):
     floor, other = under_a_box(), plate("Other", location=(50, 0, 0))
     for obj in (floor, other):
         obj.data.materials.append(material() if obj == floor else floor.data.materials[0])
     before = diffuse_colour(other)
     np.testing.assert_allclose(before, [(0.8, 0.4, 0.2)] * len(before), atol=1e-5)
-    bake(floor)
+    bake(floor, bounces=bounces)
     np.testing.assert_allclose(diffuse_colour(other), before, atol=1e-5)
     bake(floor, target="TEXTURE", resolution=8)
     np.testing.assert_allclose(diffuse_colour(other), before, atol=1e-5)
 
 
+@pytest.mark.parametrize("bounces", ["FITTED", "BAKED"])
 @pytest.mark.parametrize("target", ["VERTEX", "TEXTURE"])
-def test_wiring(target):
+def test_wiring(target, bounces):
     floor = plate()
     floor.data.materials.append(textured_material())
     shader = bsdf(floor.data.materials[0])
     texture = source(shader.inputs["Base Color"])
-    bake(floor, target=target, resolution=8)
+    bake(floor, target=target, bounces=bounces, resolution=8)
 
     node = group(floor.active_material)
-    assert node.node_tree.name == "Multibounce AO Fit"
+    assert node.node_tree.name == ("Multibounce AO Fit" if bounces == "FITTED" else "Multibounce AO")
     assert source(shader.inputs["Base Color"]) == node.outputs["Color"]
     assert source(node.inputs["Base Color"]) == texture
     assert tuple(node.inputs["Irradiance"].default_value) == (1, 1, 1, 1)
-    reader = source(node.inputs["AO"])
+    channel, socket = (BENT_CONE, "AO") if bounces == "FITTED" else (MULTIBOUNCE_AO, "Tail")
+    reader = source(node.inputs[socket])
     assert reader.name == "Alpha"
     if target == "VERTEX":
-        assert reader.node.attribute_name == BENT_CONE
+        assert reader.node.attribute_name == channel
         assert reader.node.attribute_type == "GEOMETRY"
     else:
-        assert reader.node.image == bpy.data.images["Plate Bent Cone"]
+        assert reader.node.image == bpy.data.images[f"Plate {channel}"]
         assert source(reader.node.inputs["Vector"]).node.uv_map == "UVMap"
+        if bounces == "BAKED":
+            assert source(node.inputs["Bounces"]) == reader.node.outputs["Color"]
 
 
 def test_plain_colour_moves_into_the_group():
@@ -118,9 +139,9 @@ def test_every_material_and_every_shader_of_it():
     floor.data.materials.append(None)
     floor.data.materials.append(double)
     bake(floor)
-    assert source(bsdf(floor.data.materials[0]).inputs["Base Color"]).node.node_tree.name == "Multibounce AO Fit"
+    assert source(bsdf(floor.data.materials[0]).inputs["Base Color"]).node.node_tree.name == "Multibounce AO"
     for shader in (bsdf(double), second):
-        assert source(shader.inputs["Base Color"]).node.node_tree.name == "Multibounce AO Fit"
+        assert source(shader.inputs["Base Color"]).node.node_tree.name == "Multibounce AO"
     assert floor.data.materials[1] is None
 
 
@@ -128,7 +149,7 @@ def test_object_without_a_material_gets_one():
     floor = plate()
     bake(floor)
     assert len(floor.material_slots) == 1
-    assert source(bsdf(floor.active_material).inputs["Base Color"]).node.node_tree.name == "Multibounce AO Fit"
+    assert source(bsdf(floor.active_material).inputs["Base Color"]).node.node_tree.name == "Multibounce AO"
 
 
 def test_nodes_stay_out_where_not_wanted():
@@ -138,18 +159,22 @@ def test_nodes_stay_out_where_not_wanted():
     assert not bpy.data.node_groups
 
 
-def test_nothing_is_duplicated_by_baking_again():
+@pytest.mark.parametrize(
+    ("bounces", "trees", "nodes"), [("FITTED", "Multibounce AO Fit", 5), ("BAKED", "Multibounce AO", 7)]
+)
+def test_nothing_is_duplicated_by_baking_again(bounces, trees, nodes):
     floor, second = plate(), plate("Second", location=(9, 0, 0))
     for obj in (floor, second):
         obj.data.materials.append(textured_material() if obj == floor else floor.data.materials[0])
     for target in ("VERTEX", "VERTEX", "TEXTURE", "TEXTURE", "VERTEX"):
-        bake(floor, second, target=target, resolution=8)
+        bake(floor, second, target=target, bounces=bounces, resolution=8)
     for names in (bpy.data.node_groups, bpy.data.images, bpy.data.materials):
         assert not [block.name for block in names if ".0" in block.name]
-    assert [tree.name for tree in bpy.data.node_groups] == ["Multibounce AO Fit"]
+    assert [tree.name for tree in bpy.data.node_groups] == [trees]
     for obj in (floor, second):
-        # Texture, BSDF and output are the artist's; the group and one attribute are ours.
-        assert len(obj.active_material.node_tree.nodes) == 5
+        # Texture, BSDF and output are the artist's; the group, one attribute, and what shows meshes without it as
+        # open are ours.
+        assert len(obj.active_material.node_tree.nodes) == nodes
 
 
 def test_material_without_a_shader_of_ours_is_told():
@@ -200,12 +225,12 @@ def test_add_nodes():
     assert bpy.ops.multibounce_ao.add_nodes() == {"FINISHED"}
     node = group(floor.active_material)
     assert source(bsdf(floor.active_material).inputs["Base Color"]) == node.outputs["Color"]
-    assert not node.inputs["AO"].is_linked  # no bake yet
+    assert not node.inputs["Tail"].is_linked  # no bake yet
 
     bake(floor, use_material_nodes=False)
-    assert not node.inputs["AO"].is_linked
+    assert not node.inputs["Tail"].is_linked
     assert bpy.ops.multibounce_ao.add_nodes() == {"FINISHED"}
-    assert source(group(floor.active_material).inputs["AO"]).node.attribute_name == BENT_CONE
+    assert source(group(floor.active_material).inputs["Tail"]).node.attribute_name == MULTIBOUNCE_AO
 
 
 def test_add_nodes_leaves_the_bake_of_another_object_in():
@@ -217,7 +242,7 @@ def test_add_nodes_leaves_the_bake_of_another_object_in():
     select(other)
     bpy.ops.multibounce_ao.add_nodes()
     assert other.active_material == floor.active_material
-    assert source(group(floor.active_material).inputs["AO"]).node.attribute_name == BENT_CONE
+    assert source(group(floor.active_material).inputs["Tail"]).node.attribute_name == MULTIBOUNCE_AO
 
 
 def test_add_nodes_copies_a_shared_material_before_an_image_goes_in():
@@ -229,8 +254,8 @@ def test_add_nodes_copies_a_shared_material_before_an_image_goes_in():
     bpy.ops.multibounce_ao.add_nodes()
     assert other.active_material == shared
     assert group(shared) is None
-    reader = source(group(floor.active_material).inputs["AO"]).node
-    assert reader.image == bpy.data.images["Plate Bent Cone"]
+    reader = source(group(floor.active_material).inputs["Bounces"]).node
+    assert reader.image == bpy.data.images["Plate Multibounce AO"]
 
 
 def test_add_nodes_needs_a_material_with_a_shader():

@@ -105,7 +105,7 @@ def test_bent_cone_before_a_wall(rotation):
 def test_bounce_channels_are_the_published_fit():
     """F1 and tau of alpha by equations (11) and (9), with F0 <= 1 and F1 <= 1 - F0; F2 = T F1; energy limits both."""
     obj = suzanne()
-    bake(obj, samples=256)
+    bake(obj, samples=256, bounces="FITTED")
     a = alpha(obj)
     fit_f0 = np.minimum(a * (1 + (1 - a) ** 0.75 / 2), 1)
     fit_f1 = np.minimum(A * a * (1 - a) ** 1.5 * np.exp(-B * a**0.25), 1 - fit_f0)

@@ -62,6 +62,10 @@ class Layout:
             if name == "prop":
                 prop = given["data"].bl_rna.properties[given["property"]]
                 self.drawn.append(Drawn("prop", prop.identifier, self))
+            elif name == "template_ID":
+                prop = given["data"].bl_rna.properties[given["property"]]
+                assert prop.type == "POINTER"
+                self.drawn.append(Drawn("prop", prop.identifier, self))
             elif name == "prop_search":
                 assert given["search_property"] in given["search_data"].bl_rna.properties
                 self.drawn.append(Drawn("prop", given["data"].bl_rna.properties[given["property"]].identifier, self))

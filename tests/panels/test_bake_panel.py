@@ -8,7 +8,7 @@ import pytest
 
 from .layout import draw
 
-OPERATORS = {"multibounce_ao.bake", "multibounce_ao.clear", "multibounce_ao.add_nodes"}
+OPERATORS = {"multibounce_ao.bake", "multibounce_ao.clear", "multibounce_ao.add_nodes", "multibounce_ao.fit_bounces"}
 
 
 @pytest.fixture
@@ -72,8 +72,9 @@ def test_what_does_not_apply_is_grey(panels):
     of_textures = {"resolution", "margin", "uv_map", "output_directory"}
     settings.target, settings.max_distance = "VERTEX", 0
     shown = properties(everything(panels))
-    assert {name for name, active in shown.items() if not active} == of_textures | {"falloff"}
+    assert {name for name, active in shown.items() if not active} == of_textures | {"falloff", "height_map_amplitude"}
     settings.target, settings.max_distance = "TEXTURE", 1
+    settings.height_map = bpy.data.images.new("Relief", 4, 4)
     assert all(properties(everything(panels)).values())
 
 

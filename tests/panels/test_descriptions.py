@@ -6,7 +6,13 @@ import re
 import bpy
 import pytest
 
-OPERATORS = {"bake": "Bake Multibounce AO", "clear": "Clear Bake", "add_nodes": "Add Multibounce Nodes"}
+OPERATORS = {
+    "bake": "Bake Multibounce AO",
+    "clear": "Clear Bake",
+    "add_nodes": "Add Multibounce Nodes",
+    "fit_bounces": "Fit Bounce Curves",
+    "clear_fit": "Use Published Fit",
+}
 
 
 @pytest.fixture(autouse=True)
@@ -48,16 +54,17 @@ def test_settings_and_their_choices():
 def test_settings_are_those_of_the_contract():
     defaults = {
         "target": "VERTEX", "samples": 256, "max_distance": 0.0, "falloff": "NONE", "occluders": "VISIBLE",
-        "use_ground_plane": False, "ignore_backfaces": False, "bounces": "FITTED", "use_material_nodes": True,
-        "seed": 0, "resolution": 1024, "margin": 16, "uv_map": "", "output_directory": "",
+        "use_ground_plane": False, "ignore_backfaces": False, "bounces": "BAKED", "use_material_nodes": True,
+        "seed": 0, "resolution": 1024, "margin": 16, "uv_map": "", "output_directory": "", "height_map": None,
+        "height_map_amplitude": pytest.approx(0.04),
     }  # fmt: skip
-    assert {p.identifier: p.default for p in settings()} == defaults
+    assert {p.identifier: getattr(p, "default", None) for p in settings()} == defaults
     choices = {p.identifier: [item.identifier for item in p.enum_items] for p in settings() if p.type == "ENUM"}
     assert choices == {
         "target": ["VERTEX", "TEXTURE"],
         "falloff": ["NONE", "LINEAR", "SMOOTH"],
         "occluders": ["SELF", "SELECTED", "VISIBLE"],
-        "bounces": ["FITTED"],
+        "bounces": ["FITTED", "BAKED"],
     }
 
 

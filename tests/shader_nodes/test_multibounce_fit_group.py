@@ -3,6 +3,7 @@
 
 import importlib
 
+import bpy
 import numpy as np
 import pytest
 
@@ -12,8 +13,13 @@ A, B = 27.576937094210385, 3.3364392003423804
 
 
 @pytest.fixture
-def group(extension, empty_scene):
-    return importlib.import_module(extension.__name__ + ".shader_nodes.multibounce_fit").ensure()
+def module(extension, empty_scene):
+    return importlib.import_module(extension.__name__ + ".shader_nodes.multibounce_fit")
+
+
+@pytest.fixture
+def group(module):
+    return module.ensure()
 
 
 def grid():
@@ -147,3 +153,89 @@ def test_unplugged_changes_nothing(group, tmp_path):
 
     color = render_grid({"base color": base_color}, connect, tmp_path)
     np.testing.assert_array_equal(color, np.float32(base_color))
+
+
+# Coefficients as a fit may find them: near the published, for little relief, and at the ends of what it looks through.
+FITS = {
+    "published": {"a": A, "b": B, "f0_factor": 0.5, "f0_exponent": 0.75},
+    "wall": {"a": 4.25, "b": 1.42, "f0_factor": 0.15, "f0_exponent": 6e-9},
+    "closed": {"a": 0.3, "b": -1.2, "f0_factor": -0.6, "f0_exponent": 2.0},
+    "dark": {"a": np.exp(-50.0), "b": 50.0, "f0_factor": -1.0, "f0_exponent": 0.0},
+    "bright": {"a": np.exp(50.0), "b": -50.0, "f0_factor": 1e6, "f0_exponent": 40.0},
+}
+
+
+def random_fit(seed):
+    rng = np.random.default_rng(seed)
+    values = np.exp(rng.uniform(-5, 5)), rng.uniform(-5, 10), rng.uniform(-1, 2), rng.uniform(0, 3)
+    return dict(zip(("a", "b", "f0_factor", "f0_exponent"), map(float, values), strict=True))
+
+
+@pytest.mark.parametrize("fit", [*FITS.values(), *map(random_fit, range(3))], ids=[*FITS, *"123"])
+def test_stored_fit(module, fit, tmp_path):
+    """Values of core with the same coefficients, and the guards: finite, in [F0, 1], rising with albedo."""
+    from core import multibounce
+
+    bpy.context.scene["multibounce_ao_fit"] = fit | {"source": "Wall"}
+    alpha, albedo = grid()
+    coefficients = multibounce.Coefficients(**fit)
+    group = module.ensure()
+    factor = render(group, alpha, albedo, "Factor", tmp_path)
+    direct = render(group, alpha, albedo, "F0", tmp_path)
+    assert np.isfinite(factor).all()
+    assert (factor >= direct - 1e-6).all()
+    assert (factor <= 1 + 1e-6).all()
+    assert (np.diff(factor, axis=1) * np.sign(np.diff(albedo, axis=1)) >= -1e-6).all()
+    np.testing.assert_allclose(direct[..., 0], multibounce.f0(alpha, coefficients), rtol=0, atol=1e-5)
+    expected = multibounce.irradiance(alpha[..., None], albedo, coefficients)
+    # White walls keep all light, but for a bounce that float32 takes for none.
+    lost = (albedo == 1) & (multibounce.f1(alpha, coefficients)[..., None] < np.finfo(np.float32).tiny)
+    error = np.abs(factor - expected)[~lost].max()
+    print(f"largest difference from core: {error:.1e}")
+    assert error < 1e-5
+
+
+def test_a_new_fit_reaches_the_group_and_leaves_with_it(module, tmp_path):
+    """In place: what uses the group goes on using it."""
+    from core import multibounce
+
+    scene, group = bpy.context.scene, module.ensure()
+    alpha, albedo = np.full((1, 5), 0.4), np.full((1, 5, 3), 0.6)
+
+    def rendered():
+        return render(group, alpha, albedo, "Factor", tmp_path)[0, 0, 0]
+
+    scene["multibounce_ao_fit"] = FITS["wall"]
+    module.show_fit(scene)
+    fitted = multibounce.irradiance(0.4, 0.6, multibounce.Coefficients(**FITS["wall"]))
+    assert rendered() == pytest.approx(fitted, abs=1e-5)
+    assert fitted < multibounce.irradiance(0.4, 0.6) - 0.02
+    del scene["multibounce_ao_fit"]
+    module.show_fit(scene)
+    assert rendered() == pytest.approx(multibounce.irradiance(0.4, 0.6), abs=1e-5)
+    assert list(bpy.data.node_groups) == [group]
+
+
+def test_no_group_is_made_for_a_fit_alone(module):
+    bpy.context.scene["multibounce_ao_fit"] = FITS["wall"]
+    module.show_fit(bpy.context.scene)
+    assert not bpy.data.node_groups
+
+
+def test_a_group_that_is_up_to_date_keeps_what_an_artist_set(module):
+    group = module.ensure()
+    group.nodes["B"].outputs[0].default_value = 3
+    bpy.context.scene["multibounce_ao_fit"] = FITS["wall"]
+    assert module.ensure().nodes["B"].outputs[0].default_value == 3
+    group.nodes.remove(group.nodes["A"])
+    module.show_fit(bpy.context.scene)
+    assert group.nodes["B"].outputs[0].default_value == pytest.approx(1.42)
+
+
+@pytest.mark.parametrize("broken", [{}, {"a": 1.0, "b": 2.0}, {"b": float("nan")}, {"a": float("inf")}, {"a": 1e35}])
+def test_a_stored_fit_that_shaders_cannot_use_is_not_used(module, broken):
+    stored = broken if len(broken) != 1 else FITS["wall"] | broken
+    bpy.context.scene["multibounce_ao_fit"] = stored
+    nodes = module.ensure().nodes
+    assert nodes["A"].outputs[0].default_value == pytest.approx(A)
+    assert nodes["F0 exponent"].outputs[0].default_value == pytest.approx(0.75)

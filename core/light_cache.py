@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The light of all bounces on the surfaces around what is baked: a radiosity cache, to be gathered from its points.
+
+Rays from some of the points find the cells (:mod:`.cells`) that light can come from. Rays from each of these link them
+to one another, and to coarser cells for what only cells see (:mod:`.cell_rays`); sums over the links give the light of
+each bounce (:mod:`.bounces`). "Final gathering" then takes one more bounce at every point (Reichert 1992; Christensen
+1999, "Faster Photon Map Global Illumination"), so that cells may be coarse: what a point gets from them is a mean over
+many.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .bounces import Links
+from .cell_rays import CellRays, FoundLinks, Met, Pieces, seen_from
+from .cells import CellKeys, Cells, Grid, find_in
+from .multibounce import TAIL_ALBEDO
+from .rays import Obscurance, Occluders
+from .sample_points import SurfacePoints
+from .workers import Workers, mapped
+
+# Cells that the points see: about one for so many rays of the bake, within bounds. Coarse ones are half as many.
+RAYS_PER_CELL = 256
+FEWEST_CELLS, MOST_CELLS = 2**14, 2**17
+# Nearer than this part of a cell's side its light is not that of the hit, unless more hits than SHARE are so near.
+NEAR, NEAR_SHARE = 0.5, 0.1
+# Light is stored in steps of this, so that sums with the pattern's weights stay exact (sampling.Pattern).
+STEP = 2.0**-12
+
+
+@dataclass(frozen=True)
+class LightCache:
+    """Light that n cells send back at albedo 1, as parts of the unoccluded irradiance.
+
+    cells  those that points see, then coarser ones for what only cells see
+    light  (3, n + 1) float64, multiples of STEP in [0, 1]: F0, F1 and, at albedo TAIL_ALBEDO, the light of all bounces;
+           last the mean of all cells, for hits in none
+    near   distance below which hits do not take a cell's light, in the units that Embree sees
+    """
+
+    cells: Sequence[Cells]
+    light: NDArray[np.float64]
+    near: float
+
+    def find(self, side: NDArray[np.integer], positions: NDArray) -> NDArray[np.int32]:
+        """Cell (k,) of hits on ``side`` (k,) of triangles at ``positions`` (k, 3); NONE where there is none."""
+        return find_in(self.cells, side, positions)
+
+
+def build_light_cache(
+    occluders: Occluders,
+    probes: SurfacePoints,
+    rays: int,
+    *,
+    extent: float,
+    obscurance: Obscurance | None = None,
+    seed: int = 0,
+    threads: int | None = None,
+) -> Generator[float, None, LightCache]:
+    """The cache for a bake that traces so many ``rays``, from points like ``probes``; yields the fraction done.
+
+    extent  as for :func:`core.visibility.trace_visibility`
+
+    Memory is bounded by MOST_CELLS, to about 400 MB while it is built, and 16 bytes a triangle. Closing the generator
+    stops after the blocks in flight.
+    """
+    obscurance = obscurance or Obscurance()
+    wanted = int(np.clip(rays // RAYS_PER_CELL, FEWEST_CELLS, MOST_CELLS))
+    centre, reach = _box(occluders, probes)
+    with Workers(threads) as workers:
+        trace = CellRays(occluders, extent, obscurance, seed, workers)
+        met = yield from mapped(seen_from(trace, probes, wanted), lambda done: 0.3 * done)
+        near = float(np.quantile(met.distance, NEAR_SHARE)) if len(met) else 0.0
+
+        grid = _grid(occluders, centre, reach, met, wanted)
+        near = min(near, NEAR * grid.side)
+        pieces = Pieces.of(met, CellKeys(occluders, grid).of_hits(met.side, met.position), first=0)
+        cells = [Cells(occluders, grid, pieces.key, workers)]
+        links, met = yield from mapped(trace.linked(pieces, cells), lambda done: 0.3 + 0.4 * done)
+
+        # What only cells see; what these see beyond is left out.
+        grid = _grid(occluders, centre, reach, met, wanted // 2)
+        further = Pieces.of(met, CellKeys(occluders, grid).of_hits(met.side, met.position), first=len(pieces.key))
+        cells.append(Cells(occluders, grid, further.key, workers))
+        links.target.reshape(-1)[met.ray] = find_in(cells, met.side, met.position)
+        further_links, _ = yield from mapped(trace.linked(further, cells), lambda done: 0.7 + 0.3 * done)
+    return LightCache(cells, _light(links.joined(further_links)), near)
+
+
+def _box(occluders: Occluders, probes: SurfacePoints) -> tuple[NDArray[np.float64], float]:
+    """Centre (3,) of the box about ``probes`` and half its longest side, in the units that Embree sees."""
+    at = (probes.positions - occluders.centre) * occluders.scale
+    low, high = at.min(axis=0), at.max(axis=0)
+    return 0.5 * (low + high), max(0.5 * float((high - low).max()), 1e-6)
+
+
+def _grid(occluders: Occluders, centre: NDArray, reach: float, met: Met, wanted: int) -> Grid:
+    """The finest grid that sorts the hits ``met`` into no more cells than are about ``wanted``."""
+    # As many hits as cells, chosen evenly, would meet 1 - 1/e of the cells if these were seen alike.
+    some = met[:: max(1, len(met) // wanted)]
+    few = (1.0 - np.exp(-1.0)) * wanted
+    finest, coarsest = np.log2(reach) - 12.0, np.log2(reach)
+    for _ in range(8):
+        middle = 0.5 * (finest + coarsest)
+        keys = CellKeys(occluders, Grid(centre, reach, 2.0**middle)).of_hits(some.side, some.position)
+        if len(np.unique(keys)) > few:
+            finest = middle
+        else:
+            coarsest = middle
+    return Grid(centre, reach, 2.0**coarsest)
+
+
+def _light(found: FoundLinks) -> NDArray[np.float64]:
+    """:attr:`LightCache.light` of cells with the links ``found``."""
+    # Rays that end in no cell see what the cell's others see.
+    blocked = found.weight.sum(axis=1)
+    linked = np.where(found.target >= 0, found.weight, 0.0).sum(axis=1)
+    more = np.divide(blocked, linked, out=np.zeros_like(blocked), where=linked > 0.0)
+    links = Links(found.target, found.weight * more[:, None])
+    light = np.stack((found.sky, links @ found.sky, links.total(found.sky, TAIL_ALBEDO)))
+    light = np.column_stack((light, light.mean(axis=1) if len(found.sky) else np.zeros(3)))
+    return np.rint(light / STEP) * STEP

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Rays of a bake with its settings: what points see, and the light that bounces to them."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.channels import fitted_bounces, measured_bounces
+from ..core.light_cache import LightCache, build_light_cache
+from ..core.rays import Obscurance, Occluders
+from ..core.sample_points import SamplePoints, SurfacePoints
+from ..core.sampling import hemisphere_pattern
+from ..core.visibility import Visibility, trace_visibility
+from .settings import BakeSettings
+
+# Part of a bake that finding the light takes, for its progress.
+LIGHT_SHARE = 0.3
+
+
+@dataclass(frozen=True)
+class Tracer:
+    """Traces against ``occluders`` as ``settings`` say, with so many ``threads`` (None: one a core)."""
+
+    occluders: Occluders
+    settings: BakeSettings
+    threads: int | None
+
+    def light(self, probes: SurfacePoints, points: int, extent: float) -> Generator[float, None, LightCache | None]:
+        """The light around a bake of so many ``points`` that are like ``probes``; yields the fraction done. None where
+        the bounces are fitted."""
+        if self.settings.bounces == "FITTED":
+            return None
+        rays = points * self.settings.samples
+        return (yield from build_light_cache(self.occluders, probes, rays, extent=extent, **self._common()))
+
+    def visibility(
+        self, points: SamplePoints, extent: float, cache: LightCache | None
+    ) -> Generator[int, None, Visibility]:
+        """What ``points`` see; yields the number of those done. ``cache`` is what :meth:`light` returned."""
+        pattern = hemisphere_pattern(self.settings.samples)
+        return trace_visibility(self.occluders, points, pattern, extent=extent, cache=cache, **self._common())
+
+    def channels(self, visibility: Visibility) -> NDArray[np.float32]:
+        """``Multibounce AO`` (n, 4) of n points."""
+        return (fitted_bounces if self.settings.bounces == "FITTED" else measured_bounces)(visibility)
+
+    def _common(self) -> dict:
+        chosen = self.settings
+        obscurance = Obscurance(chosen.max_distance or np.inf, chosen.falloff, chosen.ignore_backfaces)
+        return {"obscurance": obscurance, "seed": chosen.seed, "threads": self.threads}
