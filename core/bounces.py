@@ -19,6 +19,9 @@ from numpy.typing import NDArray
 
 from .multibounce import MOST_TAIL, TAIL_ALBEDO
 
+# Of a sum, where nearly all light stays in the scene.
+MOST_BOUNCES = 1000
+
 
 class Links:
     """The matrix L above. Memory: 12 bytes a link that is not -1, and 12 more while it is made.
@@ -49,17 +52,19 @@ class Links:
     def total(self, direct: NDArray[np.float64], albedo: float | NDArray, tolerance: float = 2.0**-14) -> NDArray:
         """Light of all bounces, the fixed point of E = direct + L (albedo E); as ``direct``, (n,) or (n, k).
 
-        albedo     in [0, 1), one number or as ``direct``
-        tolerance  most that may be missing of any value; bounces are added until the rest, were it all to stay in the
-                   scene, is less
+        albedo     in [0, 1], one number or as ``direct``
+        tolerance  about the most that may be missing of any value: bounces are added until the rest, were each to be
+                   to the next as this one is to the last, is less; MOST_BOUNCES at most
         """
         light = np.array(direct, np.float64)
-        bounce, highest = light, float(np.max(albedo, initial=0.0))
-        while True:
+        bounce, brightest = light, light.max(initial=0.0)
+        for _ in range(MOST_BOUNCES):
             bounce = self @ (albedo * bounce)
             light += bounce
-            if bounce.max(initial=0.0) * highest <= tolerance * (1.0 - highest):
-                return light
+            before, brightest = brightest, bounce.max(initial=0.0)
+            if brightest**2 <= tolerance * (before - brightest):
+                break
+        return light
 
 
 def decay(

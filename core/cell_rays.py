@@ -32,6 +32,7 @@ class Met:
     position  (k, 3) float32, in the units that Embree sees
     normal    (k, 3) float32, unit length, of the side that is met
     side      (k,) int64, that side (:func:`.cells.side_of`)
+    u, v      (k,) float32, weights of that triangle's second and third corner
     distance  (k,) float32, in the units that Embree sees
     """
 
@@ -39,6 +40,8 @@ class Met:
     position: NDArray[np.float32]
     normal: NDArray[np.float32]
     side: NDArray[np.int64]
+    u: NDArray[np.float32]
+    v: NDArray[np.float32]
     distance: NDArray[np.float32]
 
     def __len__(self) -> int:
@@ -83,6 +86,11 @@ class Pieces:
         along = morton_order(met.position[start])
         return cls(key[along], met, start[along], count[along], first)
 
+    def means(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Means (n, 3) over each cell's hits of ``values`` (k, 3) of the hits ``met``."""
+        sums = np.add.reduceat(values, np.sort(self.start), axis=0)[np.argsort(np.argsort(self.start))]
+        return sums / self.count[:, None]
+
     def starts(self, part: slice) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Positions and normals (3, b, CELL_PLACES) of hits all over each of the cells of ``part``."""
         index = self.start[part, None] + np.arange(CELL_PLACES) * self.count[part, None] // CELL_PLACES
@@ -106,7 +114,7 @@ class CellRays:
         distance = hits.distance[ray].astype(np.float32)
         position = origins[ray] + distance[:, None] * directions[ray]
         side = side_of(hits.triangle[ray], hits.behind[ray])
-        return hits.visible, Met(first + ray, position, hits.normals(ray), side, distance)
+        return hits.visible, Met(first + ray, position, hits.normals(ray), side, hits.u[ray], hits.v[ray], distance)
 
     def linked(self, pieces: Pieces, cells: Sequence[Cells]) -> Generator[float, None, tuple[FoundLinks, Met]]:
         """The links of ``pieces`` to ``cells``, and the hits that lie in none: their ``ray`` is an index into the links

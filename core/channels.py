@@ -33,6 +33,12 @@ def measured_bounces(visibility: Visibility) -> NDArray[np.float32]:
     return np.column_stack((f0, f1, f2, decay(f0, f1, f2, f0 + multibounce.TAIL_ALBEDO * total))).astype(np.float32)
 
 
+def radiosity(visibility: Visibility) -> NDArray[np.float32]:
+    """``Multibounce Radiosity`` (n, 4): E/E0 in red, green and blue, at least F0, and F0."""
+    f0 = visibility.f0.astype(np.float64)
+    return np.column_stack((f0[:, None] + visibility.gathered, f0)).astype(np.float32)
+
+
 def bent_cone(visibility: Visibility, world_to_object: NDArray) -> NDArray[np.float32]:
     """``Bent Cone`` (n, 4): the mean visible direction in object space, its length kept, and alpha.
 

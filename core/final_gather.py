@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .cells import NONE, side_of
-from .light_cache import STEP, LightCache
-from .multibounce import TAIL_ALBEDO
+from .light_cache import LightCache
 from .rays import Obscurance, Occluders
 from .sampling import frames, turns
 
@@ -43,9 +42,11 @@ def gather(
     cell = cache.find(side, positions)
     # Near a corner light changes within a cell: there one bounce more is traced instead.
     again = np.flatnonzero((cell == NONE) | (distance < cache.near))
-    normals = hits.normals(blocked.take(again)).astype(np.float64).T
+    ray = blocked.take(again)
+    normals = hits.normals(ray).astype(np.float64).T
+    surface = hits.triangle.take(ray), hits.u.take(ray), hits.v.take(ray)
     second = _second_gather(
-        occluders, cache, obscurance, positions[again], normals, number.take(blocked.take(again)), seed, extent
+        occluders, cache, obscurance, positions[again], normals, surface, number.take(ray), seed, extent
     )
     light.fill(0.0)
     for field, known, traced in zip(light, cache.light, second, strict=True):
@@ -57,9 +58,9 @@ def gather(
 
 
 def _second_gather(
-    occluders, cache: LightCache, obscurance, positions: NDArray, normals: NDArray, number, seed: int, extent: float
+    occluders, cache: LightCache, obscurance, positions, normals, surface, number, seed: int, extent: float
 ) -> NDArray[np.float64]:
-    """Light (3, k) at ``positions`` (k, 3) with unit ``normals`` (3, k), from two cosine-weighted rays each that are
+    """Light (3, k) that ``positions`` (k, 3) with unit ``normals`` (3, k) send back, from two cosine-weighted rays,
     opposite in azimuth and in the disk's radius."""
     angle, radius2 = turns(number, seed ^ TURN_SEED), turns(number, seed ^ HEIGHT_SEED) / (2.0 * np.pi)
     frame = frames(normals, angle)
@@ -81,5 +82,5 @@ def _second_gather(
         values[blocked] = cache.light[field].take(cell) * (1.0 - hits.visible[blocked])
         return mean(values)
 
-    direct = mean(hits.visible)
-    return np.rint(np.stack((direct, sent(0), direct + TAIL_ALBEDO * sent(2))) / STEP) * STEP
+    gathered = np.stack([sent(field) for field in range(len(cache.light))])
+    return cache.sent_by(mean(hits.visible), gathered, *surface)

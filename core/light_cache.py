@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .albedo import Albedo
 from .bounces import Links
 from .cell_rays import CellRays, FoundLinks, Met, Pieces, seen_from
 from .cells import CellKeys, Cells, Grid, find_in
@@ -35,21 +36,36 @@ STEP = 2.0**-12
 
 @dataclass(frozen=True)
 class LightCache:
-    """Light that n cells send back at albedo 1, as parts of the unoccluded irradiance.
+    """Light that n cells send back, as parts of the unoccluded irradiance.
 
-    cells  those that points see, then coarser ones for what only cells see
-    light  (3, n + 1) float64, multiples of STEP in [0, 1]: F0, F1 and, at albedo TAIL_ALBEDO, the light of all bounces;
-           last the mean of all cells, for hits in none
-    near   distance below which hits do not take a cell's light, in the units that Embree sees
+    cells   those that points see, then coarser ones for what only cells see
+    light   (3, n + 1) float64, multiples of STEP in [0, 1]; last the mean of all cells, for hits in none.
+            Without ``albedo``: F0, F1 and, at albedo TAIL_ALBEDO, the light of all bounces, off white surfaces.
+            With it: red, green and blue of all bounces
+    near    distance below which hits do not take a cell's light, in the units that Embree sees
+    albedo  base colours of the occluders' triangles, or None
     """
 
     cells: Sequence[Cells]
     light: NDArray[np.float64]
     near: float
+    albedo: Albedo | None = None
 
     def find(self, side: NDArray[np.integer], positions: NDArray) -> NDArray[np.int32]:
         """Cell (k,) of hits on ``side`` (k,) of triangles at ``positions`` (k, 3); NONE where there is none."""
         return find_in(self.cells, side, positions)
+
+    def sent_by(
+        self, direct: NDArray, gathered: NDArray, triangle: NDArray, u: NDArray, v: NDArray
+    ) -> NDArray[np.float64]:
+        """The light (3, k) that hits send back, in place of a cell's, which see ``direct`` light (k,) and have
+        ``gathered`` (3, k) from cells; on ``triangle`` (k,), where its corners have the weights ``u`` and ``v`` (k,).
+        """
+        if self.albedo is None:
+            sent = np.stack((direct, gathered[0], direct + TAIL_ALBEDO * gathered[2]))
+        else:
+            sent = self.albedo.at(triangle, u, v).T * (direct + gathered)
+        return np.rint(sent / STEP) * STEP
 
 
 def build_light_cache(
@@ -58,6 +74,7 @@ def build_light_cache(
     rays: int,
     *,
     extent: float,
+    albedo: Albedo | None = None,
     obscurance: Obscurance | None = None,
     seed: int = 0,
     threads: int | None = None,
@@ -65,6 +82,7 @@ def build_light_cache(
     """The cache for a bake that traces so many ``rays``, from points like ``probes``; yields the fraction done.
 
     extent  as for :func:`core.visibility.trace_visibility`
+    albedo  base colours of the occluders' triangles: the cache is then of red, green and blue light
 
     Memory is bounded by MOST_CELLS, to about 400 MB while it is built, and 16 bytes a triangle. Closing the generator
     stops after the blocks in flight.
@@ -89,7 +107,8 @@ def build_light_cache(
         cells.append(Cells(occluders, grid, further.key, workers))
         links.target.reshape(-1)[met.ray] = find_in(cells, met.side, met.position)
         further_links, _ = yield from mapped(trace.linked(further, cells), lambda done: 0.7 + 0.3 * done)
-    return LightCache(cells, _light(links.joined(further_links)), near)
+    colours = None if albedo is None else np.concatenate([_colours(each, albedo) for each in (pieces, further)])
+    return LightCache(cells, _light(links.joined(further_links), colours), near, albedo)
 
 
 def _box(occluders: Occluders, probes: SurfacePoints) -> tuple[NDArray[np.float64], float]:
@@ -115,13 +134,22 @@ def _grid(occluders: Occluders, centre: NDArray, reach: float, met: Met, wanted:
     return Grid(centre, reach, 2.0**coarsest)
 
 
-def _light(found: FoundLinks) -> NDArray[np.float64]:
-    """:attr:`LightCache.light` of cells with the links ``found``."""
+def _colours(pieces: Pieces, albedo: Albedo) -> NDArray[np.float64]:
+    """Mean base colours (n, 3) of the cells ``pieces``."""
+    met = pieces.met
+    return pieces.means(albedo.at(met.side >> 1, met.u, met.v)) if len(met) else np.empty((0, 3))
+
+
+def _light(found: FoundLinks, colours: NDArray[np.float64] | None) -> NDArray[np.float64]:
+    """:attr:`LightCache.light` of cells with the links ``found``, and where there are any, base ``colours`` (n, 3)."""
     # Rays that end in no cell see what the cell's others see.
     blocked = found.weight.sum(axis=1)
     linked = np.where(found.target >= 0, found.weight, 0.0).sum(axis=1)
     more = np.divide(blocked, linked, out=np.zeros_like(blocked), where=linked > 0.0)
     links = Links(found.target, found.weight * more[:, None])
-    light = np.stack((found.sky, links @ found.sky, links.total(found.sky, TAIL_ALBEDO)))
+    if colours is None:
+        light = np.stack((found.sky, links @ found.sky, links.total(found.sky, TAIL_ALBEDO)))
+    else:
+        light = (colours * links.total(np.repeat(found.sky[:, None], 3, axis=1), colours)).T
     light = np.column_stack((light, light.mean(axis=1) if len(found.sky) else np.zeros(3)))
     return np.rint(light / STEP) * STEP

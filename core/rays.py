@@ -60,6 +60,7 @@ class Hits:
     distance  (r,) float, in the units that Embree sees; any number where nothing blocks
     normal    (r, 3) float32 of that triangle's front, of any length
     behind    (r,) bool, whether it is seen from its back
+    u, v      (r,) float32, weights of that triangle's second and third corner
     """
 
     visible: NDArray[np.float64]
@@ -67,6 +68,8 @@ class Hits:
     distance: NDArray[np.floating]
     normal: NDArray[np.float32]
     behind: NDArray[np.bool_]
+    u: NDArray[np.float32]
+    v: NDArray[np.float32]
 
     def normals(self, ray: NDArray[np.intp]) -> NDArray[np.float32]:
         """Unit normals (k, 3) of the sides that are met, for rays (k,) that meet something."""
@@ -180,7 +183,8 @@ class Occluders:
         else:
             found = self._scene.run(origins, directions, query="INTERSECT", output=True)
             behind = np.einsum("ij,ij->i", found["Ng"], directions) > 0.0
-            hits = Hits(np.empty(len(origins)), found["primID"], found["tfar"], found["Ng"], behind)
+            names = ("primID", "tfar", "Ng")
+            hits = Hits(np.empty(len(origins)), *(found[name] for name in names), behind, found["u"], found["v"])
         if self.ground_height is not None:
             floor = self._ground(origins, directions) * self.scale
             lower = np.flatnonzero(floor < np.where(hits.triangle >= 0, hits.distance, np.inf))
@@ -211,6 +215,7 @@ class Occluders:
             met = alive[front]
             hits.distance[met], hits.triangle[met] = travelled[met], hit["primID"][found[front]]
             hits.normal[met] = normal[front]
+            hits.u[met], hits.v[met] = hit["u"][found[front]], hit["v"][found[front]]
             alive = alive[~front]
             # A step past the face, as small as float32 resolves at this distance.
             travelled[alive] += OFFSET_PER_COORDINATE * (np.abs(origins[alive]).max(axis=1) + travelled[alive])
@@ -235,4 +240,6 @@ def _no_hits(rays: int) -> Hits:
         np.full(rays, np.inf),
         np.zeros((rays, 3), np.float32),
         np.zeros(rays, bool),
+        np.zeros(rays, np.float32),
+        np.zeros(rays, np.float32),
     )

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Collection, Generator
+from dataclasses import replace
 from functools import partial
 
 import bpy
@@ -62,7 +63,7 @@ def bake(
         yield Progress(index / len(objects), obj.name)
         result = None
         if settings.target == "VERTEX" and obj.data in baked_meshes:
-            _share(baked_meshes[obj.data], report)
+            _share(baked_meshes[obj.data], report, settings.bounces)
         else:
             work = _bake_object(context, obj, settings, folder, scenes, tracer, report, threads)
             try:
@@ -82,9 +83,9 @@ def bake(
     return reports
 
 
-def _share(baked: ObjectReport, report: ObjectReport) -> None:
+def _share(baked: ObjectReport, report: ObjectReport, bounces: str) -> None:
     """Fill the ``report`` of an object that shows the bake of another, because they share a mesh."""
-    report.points, report.f0, report.outputs = baked.points, baked.f0, list(CHANNELS)
+    report.points, report.f0, report.outputs = baked.points, baked.f0, list(CHANNELS[bounces])
     report.warnings.append(
         f"Shares its mesh with '{baked.name}', whose bake it shows: "
         "for its own, make it single-user (Object > Relations > Make Single User)"
@@ -108,16 +109,18 @@ def _bake_object(
     """Compute the bake of one object; yields the fraction done. Raises BakeError."""
     check_object(obj, context.view_layer)
     tracer = tracer(scenes.scene_for(obj, report.warnings))
+    if settings.bounces == "RADIOSITY":
+        tracer = replace(tracer, albedo=scenes.albedo(report.warnings))
     evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
     matrix = np.array(evaluated.matrix_world, np.float64)
     # Blender's mesh is only held while it is read: it may be gone after a yield.
     with evaluated_mesh(evaluated) as mesh:
         check_evaluated(mesh, matrix)
         if settings.target == "VERTEX":
-            check_attribute_names(obj)
+            check_attribute_names(obj, settings.bounces)
             work = bake_vertices(obj.data, vertex_points(obj, mesh, matrix), matrix, tracer, report)
         else:
-            check_image_names(obj)
+            check_image_names(obj, settings.bounces)
             uv_map = uv_map_name(mesh, settings.uv_map)
             work = bake_texture(
                 obj, read_surface(mesh, matrix, uv_map), uv_map, matrix, tracer, report, settings, folder, threads

@@ -13,10 +13,14 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from .names import BENT_CONE, MULTIBOUNCE_AO, PROPERTY
+from .names import BENT_CONE, CHANNELS, MULTIBOUNCE_AO, PROPERTY, RADIOSITY
 from .report import BakeError
 
-FILE_SUFFIX = {MULTIBOUNCE_AO: "_multibounce_ao.exr", BENT_CONE: "_bent_cone.exr"}
+FILE_SUFFIX = {
+    MULTIBOUNCE_AO: "_multibounce_ao.exr",
+    RADIOSITY: "_multibounce_radiosity.exr",
+    BENT_CONE: "_bent_cone.exr",
+}
 
 
 def output_folder(setting: str) -> str:
@@ -63,9 +67,9 @@ def file_path(obj: bpy.types.Object, channel: str, folder: str) -> Path:
     return path
 
 
-def check_image_names(obj: bpy.types.Object) -> None:
+def check_image_names(obj: bpy.types.Object, bounces: str) -> None:
     """Raises BakeError where an image that is no bake has a name that the bake needs: it may be the artist's work."""
-    for channel in FILE_SUFFIX:
+    for channel in CHANNELS[bounces]:
         image = bpy.data.images.get((image_name(obj, channel), None))
         if image is not None and PROPERTY not in image:
             raise BakeError(f"would replace the image '{image.name}', which is no bake: rename or remove that image")

@@ -8,14 +8,17 @@ from dataclasses import dataclass
 
 import bpy
 
-from ..shader_nodes import multibounce_ao, multibounce_fit
-from .names import BENT_CONE, MULTIBOUNCE_AO, PROPERTY
+from ..shader_nodes import multibounce_ao, multibounce_fit, multibounce_radiosity
+from .names import BENT_CONE, MULTIBOUNCE_AO, PROPERTY, RADIOSITY
 
 # For each kind of bounces: the group, and which channel's output feeds which of its inputs.
 GROUPS = {
     "FITTED": (multibounce_fit, {"AO": (BENT_CONE, "Alpha")}),
     "BAKED": (multibounce_ao, {"Bounces": (MULTIBOUNCE_AO, "Color"), "Tail": (MULTIBOUNCE_AO, "Alpha")}),
+    "RADIOSITY": (multibounce_radiosity, {"Radiosity": (RADIOSITY, "Color")}),
 }
+# What a mesh without the attribute shows instead, as open.
+OPEN = {MULTIBOUNCE_AO: (1.0, 0.0, 0.0, 1.0), RADIOSITY: (1.0, 1.0, 1.0, 1.0)}
 
 # Set on a material whose nodes were off before we came.
 _NODES_WERE_OFF = "multibounce_ao_nodes_were_off"
@@ -157,13 +160,13 @@ def _source(
 def _attribute(tree: bpy.types.NodeTree, channel: str, x: float, y: float) -> dict[str, bpy.types.NodeSocket]:
     """A mesh that shares the material but was not baked shows as open.
 
-    What it lacks reads as black with alpha 1. For the cone that is open already; F0 = 0 would be a closed point, whose
-    T is below 1 in a bake (core.bounces.decay): where it is 1, F0 becomes 1.
+    What it lacks reads as black with alpha 1. For the cone that is open already. Elsewhere black would be a closed
+    point, but whose alpha is below 1 in a bake: T always (core.bounces.decay), and F0 unless all is open.
     """
     node = _new_node(tree, "ShaderNodeAttribute", x, y)
     node.attribute_type = "GEOMETRY"
     node.attribute_name = channel
-    if channel != MULTIBOUNCE_AO:
+    if channel not in OPEN:
         return {name: node.outputs[name] for name in ("Color", "Alpha")}
     node.location.x -= 400
     is_baked = _new_node(tree, "ShaderNodeMath", x - 200, y - 160)
@@ -173,7 +176,7 @@ def _attribute(tree: bpy.types.NodeTree, channel: str, x: float, y: float) -> di
     mix = _new_node(tree, "ShaderNodeMix", x, y)
     mix.data_type, mix.label = "RGBA", "Baked or Open"
     factor, opened, baked = (next(s for s in mix.inputs if s.identifier == name) for name in _MIX_INPUTS)
-    opened.default_value = (1.0, 0.0, 0.0, 1.0)
+    opened.default_value = OPEN[channel]
     tree.links.new(is_baked.outputs[0], factor)
     tree.links.new(node.outputs["Color"], baked)
     result = next(socket for socket in mix.outputs if socket.identifier == "Result_Color")

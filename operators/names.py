@@ -7,8 +7,18 @@ MULTIBOUNCE_AO = "Multibounce AO"
 BENT_CONE = "Bent Cone"
 """Attribute or image: mean visible direction x, y, z, and alpha."""
 
-CHANNELS = (MULTIBOUNCE_AO, BENT_CONE)
-"""What every bake leaves, as attributes or as images."""
+RADIOSITY = "Multibounce Radiosity"
+"""Attribute or image: E/E0 in red, green and blue, and F0."""
+
+CHANNELS = {
+    "FITTED": (MULTIBOUNCE_AO, BENT_CONE),
+    "BAKED": (MULTIBOUNCE_AO, BENT_CONE),
+    "RADIOSITY": (RADIOSITY, BENT_CONE),
+}
+"""What a bake leaves, as attributes or as images, for each kind of bounces."""
+
+ALL_CHANNELS = (MULTIBOUNCE_AO, RADIOSITY, BENT_CONE)
+"""What all bakes of an object may have left."""
 
 PROPERTY = "multibounce_ao"
 """ID property: on objects what was baked, on materials, images and nodes that they are ours."""

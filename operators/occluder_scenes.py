@@ -9,7 +9,9 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.albedo import Albedo
 from ..core.rays import Occluders
+from .base_color import read_albedo
 from .mesh_reader import evaluated_mesh, read_corner_vertices, read_positions, to_world
 from .occluder_cache import occluders_of
 from .occluder_reader import read_occluders, rendered_objects
@@ -44,6 +46,8 @@ class OccluderScenes:
         # The last one only: objects that share it follow one another, and each may be as large as the scene.
         self._owners: frozenset[bpy.types.Object] = frozenset()
         self._scene: Occluders | None = None
+        self._built: frozenset[bpy.types.Object] = frozenset()
+        self._albedo: tuple[Albedo, list[str]] | None = None
         self._warnings: list[str] = []
 
     def scene_for(self, obj: bpy.types.Object, warnings: list[str]) -> Occluders:
@@ -62,8 +66,17 @@ class OccluderScenes:
         warnings += self._warnings
         return self._scene
 
+    def albedo(self, warnings: list[str]) -> Albedo:
+        """Base colours of the last scene that was given out; appends to ``warnings`` what could not be read."""
+        if self._albedo is None:
+            self._albedo = read_albedo(self._context.evaluated_depsgraph_get(), self._built)
+        albedo, unread = self._albedo
+        warnings += unread
+        return albedo
+
     def _build(self, owners: frozenset[bpy.types.Object], centre: NDArray | None = None) -> None:
-        self._scene = None  # freed before the next is built
+        self._scene = self._albedo = None  # freed before the next is built
+        self._built = owners
         vertices, triangles, self._warnings = read_occluders(self._context.evaluated_depsgraph_get(), owners)
         self._scene = occluders_of(vertices, triangles, self._ground, centre)
         # One that is centred on an object is for that object alone.

@@ -73,6 +73,7 @@ class MultibounceAOSettings(bpy.types.PropertyGroup):
         items=(
             ("FITTED", "Fitted", "By the published fit, from ambient occlusion alone"),
             ("BAKED", "Baked", "Measured at each point: light that bounces off all occluders"),
+            ("RADIOSITY", "Radiosity", "As Baked, in the base colours that the occluders have now: colours bleed"),
         ),
         default="BAKED",
     )

@@ -10,7 +10,6 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.channels import bent_cone
 from ..core.exr import write_exr
 from ..core.margin import extend_margin
 from ..core.rasterise import bands, rasterise
@@ -19,7 +18,7 @@ from ..core.surface import Surface
 from ..core.workers import Workers, mapped, slices
 from .images import file_path, store_image
 from .mesh_reader import linear_inverse
-from .names import BENT_CONE, MULTIBOUNCE_AO
+from .names import CHANNELS
 from .report import BakeError, ObjectReport, statistics
 from .settings import BakeSettings
 from .tracer import LIGHT_SHARE, Tracer
@@ -33,22 +32,21 @@ PROBES = 2**16
 
 @dataclass(frozen=True)
 class TextureResult:
-    """Images (h, w, 4) float32 of one object, ready to be stored in ``folder``, or packed where that is empty."""
+    """Images (h, w, 4) float32 of one object by channel, ready to be stored in ``folder``, or packed where that is
+    empty."""
 
     obj: bpy.types.Object
     uv_map: str
     folder: str
-    multibounce_ao: NDArray[np.float32]
-    bent_cone: NDArray[np.float32]
+    channels: dict[str, NDArray[np.float32]]
 
     def write(self) -> list[str]:
-        """Store both images; returns their files or names. Raises OSError where a file cannot be written."""
-        channels = {MULTIBOUNCE_AO: self.multibounce_ao, BENT_CONE: self.bent_cone}
+        """Store the images; returns their files or names. Raises OSError where a file cannot be written."""
         if self.folder:
-            # Both files before any image: where one cannot be written, the .blend stays as it was.
-            for channel, pixels in channels.items():
+            # All files before any image: where one cannot be written, the .blend stays as it was.
+            for channel, pixels in self.channels.items():
                 write_exr(file_path(self.obj, channel, self.folder), pixels)
-        return [store_image(self.obj, channel, pixels, self.folder) for channel, pixels in channels.items()]
+        return [store_image(self.obj, channel, pixels, self.folder) for channel, pixels in self.channels.items()]
 
 
 def bake_texture(
@@ -72,8 +70,8 @@ def bake_texture(
 
     size = settings.resolution
     world_to_object = linear_inverse(matrix)
-    bounces = np.zeros((size * size, 4), np.float32)
-    cone = np.zeros((size * size, 4), np.float32)
+    images = {channel: np.zeros((size * size, 4), np.float32) for channel in CHANNELS[settings.bounces]}
+    f0 = []
     covered = np.zeros(size * size, bool)
     places = texel_places(settings.samples)
     corners = CornerTable(surface)
@@ -93,21 +91,22 @@ def bake_texture(
         visibility = yield from mapped(tracing, fraction)
 
         def fill(part: slice, texel=texels.texel, visibility=visibility) -> None:
-            bounces[texel[part]] = tracer.channels(visibility[part])
-            cone[texel[part]] = bent_cone(visibility[part], world_to_object)
+            for channel, values in tracer.channels(visibility[part], world_to_object).items():
+                images[channel][texel[part]] = values
             covered[texel[part]] = True
 
         with Workers(threads) as workers:
             workers.map(fill, slices(len(texels.texel), TEXELS_PER_PART))
         report.points += len(texels.texel)
+        f0.append(visibility.f0)
     if not report.points:
         raise BakeError(f"touches no texel in UV map '{uv_map}': pack its islands (UV > Pack Islands)")
     if overlaps(triangle_uv, report.points, size):
         report.warnings.append(
             f"UV map '{uv_map}' overlaps itself: where faces share texels, one of them decides their colour"
         )
-    report.f0 = statistics(bounces[covered, 0])
+    report.f0 = statistics(np.concatenate(f0))
 
-    bounces, cone, covered = bounces.reshape(size, size, 4), cone.reshape(size, size, 4), covered.reshape(size, size)
-    extend_margin((bounces, cone), covered, settings.margin, threads)
-    return TextureResult(obj, uv_map, folder, bounces, cone)
+    images = {channel: pixels.reshape(size, size, 4) for channel, pixels in images.items()}
+    extend_margin(list(images.values()), covered.reshape(size, size), settings.margin, threads)
+    return TextureResult(obj, uv_map, folder, images)

@@ -9,12 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.channels import fitted_bounces, measured_bounces
+from ..core.albedo import Albedo
+from ..core.channels import bent_cone, fitted_bounces, measured_bounces, radiosity
 from ..core.light_cache import LightCache, build_light_cache
 from ..core.rays import Obscurance, Occluders
 from ..core.sample_points import SamplePoints, SurfacePoints
 from ..core.sampling import hemisphere_pattern
 from ..core.visibility import Visibility, trace_visibility
+from .names import CHANNELS
 from .settings import BakeSettings
 
 # Part of a bake that finding the light takes, for its progress.
@@ -23,11 +25,13 @@ LIGHT_SHARE = 0.3
 
 @dataclass(frozen=True)
 class Tracer:
-    """Traces against ``occluders`` as ``settings`` say, with so many ``threads`` (None: one a core)."""
+    """Traces against ``occluders`` as ``settings`` say, with so many ``threads`` (None: one a core); ``albedo`` is of
+    the occluders, for radiosity."""
 
     occluders: Occluders
     settings: BakeSettings
     threads: int | None
+    albedo: Albedo | None = None
 
     def light(self, probes: SurfacePoints, points: int, extent: float) -> Generator[float, None, LightCache | None]:
         """The light around a bake of so many ``points`` that are like ``probes``; yields the fraction done. None where
@@ -35,7 +39,8 @@ class Tracer:
         if self.settings.bounces == "FITTED":
             return None
         rays = points * self.settings.samples
-        return (yield from build_light_cache(self.occluders, probes, rays, extent=extent, **self._common()))
+        building = build_light_cache(self.occluders, probes, rays, extent=extent, albedo=self.albedo, **self._common())
+        return (yield from building)
 
     def visibility(
         self, points: SamplePoints, extent: float, cache: LightCache | None
@@ -44,9 +49,12 @@ class Tracer:
         pattern = hemisphere_pattern(self.settings.samples)
         return trace_visibility(self.occluders, points, pattern, extent=extent, cache=cache, **self._common())
 
-    def channels(self, visibility: Visibility) -> NDArray[np.float32]:
-        """``Multibounce AO`` (n, 4) of n points."""
-        return (fitted_bounces if self.settings.bounces == "FITTED" else measured_bounces)(visibility)
+    def channels(self, visibility: Visibility, world_to_object: NDArray) -> dict[str, NDArray[np.float32]]:
+        """What is stored of n points, by name, each (n, 4). ``world_to_object`` as for
+        :func:`core.channels.bent_cone`."""
+        bounces = {"FITTED": fitted_bounces, "BAKED": measured_bounces, "RADIOSITY": radiosity}[self.settings.bounces]
+        values = bounces(visibility), bent_cone(visibility, world_to_object)
+        return dict(zip(CHANNELS[self.settings.bounces], values, strict=True))
 
     def _common(self) -> dict:
         chosen = self.settings

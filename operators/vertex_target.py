@@ -10,12 +10,11 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.channels import bent_cone
 from ..core.sample_points import CornerTable, SurfacePoints
 from ..core.surface import extent_of, unit
 from ..core.workers import mapped
 from .mesh_reader import linear_inverse, read, read_corner_vertices, read_positions, read_surface, to_world
-from .names import BENT_CONE, CHANNELS, MULTIBOUNCE_AO
+from .names import ALL_CHANNELS, CHANNELS
 from .nearest_point import nearest_points
 from .report import BakeError, ObjectReport, statistics
 from .tracer import LIGHT_SHARE, Tracer
@@ -53,14 +52,13 @@ class VertexResult:
 
     mesh: bpy.types.Mesh
     domain: str
-    multibounce_ao: NDArray[np.float32]
-    bent_cone: NDArray[np.float32]
+    channels: dict[str, NDArray[np.float32]]
 
     def write(self) -> list[str]:
-        """Store both attributes; returns their names."""
-        write_attribute(self.mesh, MULTIBOUNCE_AO, self.domain, self.multibounce_ao)
-        write_attribute(self.mesh, BENT_CONE, self.domain, self.bent_cone)
-        return list(CHANNELS)
+        """Store the attributes; returns their names."""
+        for name, values in self.channels.items():
+            write_attribute(self.mesh, name, self.domain, values)
+        return list(self.channels)
 
 
 def bake_vertices(
@@ -80,12 +78,8 @@ def bake_vertices(
     tracing = tracer.visibility(starts, points.extent, cache)
     visibility = yield from mapped(tracing, lambda done: begin + (1.0 - begin) * done / report.points)
     report.f0 = statistics(visibility.f0)
-    return VertexResult(
-        mesh,
-        points.domain,
-        tracer.channels(visibility)[points.element_point],
-        bent_cone(visibility, linear_inverse(matrix))[points.element_point],
-    )
+    channels = tracer.channels(visibility, linear_inverse(matrix))
+    return VertexResult(mesh, points.domain, {name: values[points.element_point] for name, values in channels.items()})
 
 
 def vertex_points(obj: bpy.types.Object, evaluated: bpy.types.Mesh, matrix: NDArray) -> VertexPoints:
@@ -139,9 +133,9 @@ def _corners(mesh: bpy.types.Mesh, matrix: NDArray, positions: NDArray | None = 
     return VertexPoints(positions, normals, corner_point, "CORNER", surface.extent)
 
 
-def check_attribute_names(obj: bpy.types.Object) -> None:
+def check_attribute_names(obj: bpy.types.Object, bounces: str) -> None:
     """Raises BakeError where what is no colour has a name that the bake needs: it may be the artist's work."""
-    for name in CHANNELS:
+    for name in CHANNELS[bounces]:
         attribute = obj.data.attributes.get(name)
         if name in obj.vertex_groups or (attribute and attribute.data_type not in {"FLOAT_COLOR", "BYTE_COLOR"}):
             raise BakeError(f"has a UV map, vertex group or attribute '{name}' that is no colour: rename it")
@@ -164,7 +158,7 @@ def write_attribute(mesh: bpy.types.Mesh, name: str, domain: str, values: NDArra
 
 def remove_attributes(mesh: bpy.types.Mesh) -> None:
     """Take back what a bake stored on ``mesh``."""
-    for name in CHANNELS:
+    for name in ALL_CHANNELS:
         attribute = mesh.attributes.get(name)
         if attribute is not None:
             mesh.attributes.remove(attribute)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Truth for bounces: paths through white surfaces under a white sky, which share only Embree with what they judge.
+"""Truth for bounces: paths between surfaces under a white sky, which share only Embree with what they judge.
 
-F_n is the part of the cosine-weighted paths from a point that reach the sky after n bounces: no cache, no weights, no
-bias, whatever the scene.
+F_n is the part of the cosine-weighted paths from a point that reach the sky after n bounces, off white surfaces: no
+cache, no weights, no bias, whatever the scene. Off coloured ones each path brings the product of their colours.
 """
 
 import os
@@ -14,8 +14,12 @@ POINTS_PER_CHUNK = 32
 OFF = 1e-5  # of the extent, off the surface
 
 
-def bounces(mesh, points, normals, paths, *, extent, last=60, seed=0):
-    """Two independent estimates (2, last + 1, n) of F_0 ... F_last at ``points`` against ``mesh``."""
+def bounces(mesh, points, normals, paths, *, extent, last=60, colours=None, seed=0):
+    """Two independent estimates (2, last + 1, n, channels) of F_0 ... F_last at ``points`` against ``mesh``, whose
+    triangles have ``colours`` (m, channels); without these (2, last + 1, n) off white."""
+    if colours is None:
+        return bounces(mesh, points, normals, paths, extent=extent, last=last, colours=np.ones((len(mesh[1]), 1)),
+                       seed=seed)[..., 0]  # fmt: skip
     from embreex.mesh_construction import TriangleMesh
     from embreex.rtcore_scene import EmbreeScene
 
@@ -25,7 +29,7 @@ def bounces(mesh, points, normals, paths, *, extent, last=60, seed=0):
     chunks = [slice(start, start + POINTS_PER_CHUNK) for start in range(0, len(points), POINTS_PER_CHUNK)]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         halves = [
-            pool.map(lambda part, half=half: _chunk(scene, points[part], normals[part], paths, extent, last,
+            pool.map(lambda part, half=half: _chunk(scene, points[part], normals[part], paths, extent, last, colours,
                                                     np.random.default_rng((seed, half, part.start))), chunks)
             for half in (0, 1)
         ]  # fmt: skip
@@ -34,20 +38,23 @@ def bounces(mesh, points, normals, paths, *, extent, last=60, seed=0):
     return result
 
 
-def _chunk(scene, points, normals, paths, extent, last, random):
+def _chunk(scene, points, normals, paths, extent, last, colours, random):
     owner = np.repeat(np.arange(len(points)), paths)
     # The first directions in strata of the disk's radius; all else is independent.
     squared = (np.tile(np.arange(paths), len(points)) + random.random(len(owner))) / paths
     position, normal = points[owner], normals[owner]
-    result = np.zeros((last + 1, len(points)))
+    brought = np.ones((len(owner), colours.shape[1]))
+    result = np.zeros((last + 1, len(points), colours.shape[1]))
     for bounce in range(last + 1):
         direction = _cosine(normal, squared, random)
         start = (position + OFF * extent * normal).astype(np.float32)
         hit = scene.run(start, direction, query="INTERSECT", output=True)
         met = hit["primID"] >= 0
-        result[bounce] = np.bincount(owner[~met], minlength=len(points))
+        for channel, part in enumerate(brought[~met].T):
+            result[bounce, :, channel] = np.bincount(owner[~met], part, len(points))
         if not met.any():
             break
+        brought = brought[met] * colours[hit["primID"][met]]
         owner, facing = owner[met], hit["Ng"][met].astype(np.float64)
         position = start[met] + hit["tfar"][met, None] * direction[met].astype(np.float64)
         facing /= np.linalg.norm(facing, axis=1, keepdims=True)

@@ -64,7 +64,7 @@ def test_settings_are_those_of_the_contract():
         "target": ["VERTEX", "TEXTURE"],
         "falloff": ["NONE", "LINEAR", "SMOOTH"],
         "occluders": ["SELF", "SELECTED", "VISIBLE"],
-        "bounces": ["FITTED", "BAKED"],
+        "bounces": ["FITTED", "BAKED", "RADIOSITY"],
     }
 
 
