@@ -11,7 +11,7 @@ many.
 from __future__ import annotations
 
 from collections.abc import Generator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +27,11 @@ from .workers import Workers, mapped
 
 # Cells that the points see: about one for so many rays of the bake, within bounds. Coarse ones are half as many.
 RAYS_PER_CELL = 256
-FEWEST_CELLS, MOST_CELLS = 2**14, 2**17
+FEWEST_CELLS, MOST_CELLS = 2**13, 2**17
+# Side of the large cells, in sides of those that points see.
+LARGE_CELL = 8.0
+# Hits that the size of cells is chosen by, for each that is wanted.
+HITS_PER_CELL = 4
 # Nearer than this part of a cell's side its light is not that of the hit, unless more hits than SHARE are so near.
 NEAR, NEAR_SHARE = 0.5, 0.1
 # Light is stored in steps of this, so that sums with the pattern's weights stay exact (sampling.Pattern).
@@ -38,7 +42,8 @@ STEP = 2.0**-12
 class LightCache:
     """Light that n cells send back, as parts of the unoccluded irradiance.
 
-    cells   those that points see, then coarser ones for what only cells see
+    cells   those that points see, then those that only cells see, then large ones with the means of both, for hits
+            between them
     light   (3, n + 1) float64, multiples of STEP in [0, 1]; last the mean of all cells, for hits in none.
             Without ``albedo``: F0, F1 and, at albedo TAIL_ALBEDO, the light of all bounces, off white surfaces.
             With it: red, green and blue of all bounces
@@ -84,8 +89,8 @@ def build_light_cache(
     extent  as for :func:`core.visibility.trace_visibility`
     albedo  base colours of the occluders' triangles: the cache is then of red, green and blue light
 
-    Memory is bounded by MOST_CELLS, to about 400 MB while it is built, and 16 bytes a triangle. Closing the generator
-    stops after the blocks in flight.
+    Memory does not follow the points or rays: about 3 kB for each of at most MOST_CELLS cells while it is built, and 24
+    bytes a triangle. Closing the generator stops after the blocks in flight.
     """
     obscurance = obscurance or Obscurance()
     wanted = int(np.clip(rays // RAYS_PER_CELL, FEWEST_CELLS, MOST_CELLS))
@@ -96,7 +101,7 @@ def build_light_cache(
         near = float(np.quantile(met.distance, NEAR_SHARE)) if len(met) else 0.0
 
         grid = _grid(occluders, centre, reach, met, wanted)
-        near = min(near, NEAR * grid.side)
+        near, large_grid = min(near, NEAR * grid.side), replace(grid, side=LARGE_CELL * grid.side)
         pieces = Pieces.of(met, CellKeys(occluders, grid).of_hits(met.side, met.position), first=0)
         cells = [Cells(occluders, grid, pieces.key, workers)]
         links, met = yield from mapped(trace.linked(pieces, cells), lambda done: 0.3 + 0.4 * done)
@@ -107,8 +112,15 @@ def build_light_cache(
         cells.append(Cells(occluders, grid, further.key, workers))
         links.target.reshape(-1)[met.ray] = find_in(cells, met.side, met.position)
         further_links, _ = yield from mapped(trace.linked(further, cells), lambda done: 0.7 + 0.3 * done)
-    colours = None if albedo is None else np.concatenate([_colours(each, albedo) for each in (pieces, further)])
-    return LightCache(cells, _light(links.joined(further_links), colours), near, albedo)
+
+        both = pieces, further
+        colours = None if albedo is None else np.concatenate([_colours(each, albedo) for each in both])
+        light = _light(links.joined(further_links), colours)
+        key, means = _means(CellKeys(occluders, large_grid), both, light)
+        cells.append(Cells(occluders, large_grid, key, workers))
+    overall = light.mean(axis=1, keepdims=True) if light.size else np.zeros((3, 1))
+    light = np.rint(np.concatenate((light, means, overall), axis=1) / STEP) * STEP
+    return LightCache(cells, light, near, albedo)
 
 
 def _box(occluders: Occluders, probes: SurfacePoints) -> tuple[NDArray[np.float64], float]:
@@ -120,9 +132,9 @@ def _box(occluders: Occluders, probes: SurfacePoints) -> tuple[NDArray[np.float6
 
 def _grid(occluders: Occluders, centre: NDArray, reach: float, met: Met, wanted: int) -> Grid:
     """The finest grid that sorts the hits ``met`` into no more cells than are about ``wanted``."""
-    # As many hits as cells, chosen evenly, would meet 1 - 1/e of the cells if these were seen alike.
-    some = met[:: max(1, len(met) // wanted)]
-    few = (1.0 - np.exp(-1.0)) * wanted
+    # So many hits, chosen evenly, meet nearly all cells if these are seen alike, and most of them if not.
+    some = met[:: max(1, len(met) // (HITS_PER_CELL * wanted))]
+    few = (1.0 - np.exp(-HITS_PER_CELL)) * wanted
     finest, coarsest = np.log2(reach) - 12.0, np.log2(reach)
     for _ in range(8):
         middle = 0.5 * (finest + coarsest)
@@ -141,15 +153,26 @@ def _colours(pieces: Pieces, albedo: Albedo) -> NDArray[np.float64]:
 
 
 def _light(found: FoundLinks, colours: NDArray[np.float64] | None) -> NDArray[np.float64]:
-    """:attr:`LightCache.light` of cells with the links ``found``, and where there are any, base ``colours`` (n, 3)."""
+    """The three fields (3, n) of :attr:`LightCache.light` for cells with the links ``found``, and where there are any,
+    base ``colours`` (n, 3)."""
     # Rays that end in no cell see what the cell's others see.
     blocked = found.weight.sum(axis=1)
     linked = np.where(found.target >= 0, found.weight, 0.0).sum(axis=1)
     more = np.divide(blocked, linked, out=np.zeros_like(blocked), where=linked > 0.0)
     links = Links(found.target, found.weight * more[:, None])
     if colours is None:
-        light = np.stack((found.sky, links @ found.sky, links.total(found.sky, TAIL_ALBEDO)))
-    else:
-        light = (colours * links.total(np.repeat(found.sky[:, None], 3, axis=1), colours)).T
-    light = np.column_stack((light, light.mean(axis=1) if len(found.sky) else np.zeros(3)))
-    return np.rint(light / STEP) * STEP
+        return np.stack((found.sky, links @ found.sky, links.total(found.sky, TAIL_ALBEDO)))
+    return (colours * links.total(np.repeat(found.sky[:, None], 3, axis=1), colours)).T
+
+
+def _means(
+    keys: CellKeys, pieces: Sequence[Pieces], light: NDArray[np.float64]
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Larger cells' ``keys`` (m,), and the mean ``light`` (3, m) of the ``pieces`` in each, by how often they are met;
+    a piece lies where its first hit does."""
+    first = [each.met[each.start] for each in pieces]
+    of_pieces = np.concatenate([keys.of_hits(met.side, met.position) for met in first])
+    key, larger = np.unique(of_pieces, return_inverse=True)
+    count = np.concatenate([each.count for each in pieces])
+    sums = [np.bincount(larger, field * count, len(key)) for field in light]
+    return key, np.stack(sums) / np.bincount(larger, count, len(key))
