@@ -5,7 +5,7 @@ STAMP := $(VENV)/.stamp
 BENCH := $(VENV)-bench
 SITE := 'import site; print(site.getsitepackages()[0])'
 
-.PHONY: help demo test test-blender bench zip lint clean
+.PHONY: help demo compare demo-field test test-blender bench zip lint clean
 help:            ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' Makefile
 
@@ -15,6 +15,12 @@ $(STAMP): tools/requirements.txt tools/make_venv.sh
 
 demo: $(STAMP)   ## bake and render the demo scene into out/demo/
 	$(VENV)/bin/python demo/run.py
+
+compare: $(STAMP)   ## every model of the bounces beside path tracing, into out/compare/; ARGS: --quick, --update-docs
+	$(VENV)/bin/python demo/compare.py $(ARGS)
+
+demo-field: $(STAMP)   ## AO fields of moving props, in EEVEE and Cycles beside ray-traced AO, into out/demo-field/
+	$(VENV)/bin/python demo/field_demo.py
 
 test: $(STAMP)   ## run the tests in the bpy module; ARGS go to pytest
 	$(VENV)/bin/python -m pytest $(ARGS)

@@ -10,17 +10,26 @@ panels/        draws
 import bpy
 
 from .operators import command_line, occluder_cache, settings
-from .operators.add_nodes import MULTIBOUNCE_AO_OT_add_nodes
+from .operators.add_nodes import MULTIBOUNCE_AO_OT_add_curve_nodes, MULTIBOUNCE_AO_OT_add_nodes
+from .operators.apply_field import MULTIBOUNCE_AO_OT_apply_field
 from .operators.bake import MULTIBOUNCE_AO_OT_bake
+from .operators.bake_field import MULTIBOUNCE_AO_OT_bake_field
 from .operators.clear import MULTIBOUNCE_AO_OT_clear
 from .operators.fit_bounces import MULTIBOUNCE_AO_OT_clear_fit, MULTIBOUNCE_AO_OT_fit_bounces
+from .operators.project_world import (
+    MULTIBOUNCE_AO_OT_add_world_light,
+    MULTIBOUNCE_AO_OT_clear_world,
+    MULTIBOUNCE_AO_OT_project_world,
+)
 from .panels.bake_panel import (
     MULTIBOUNCE_AO_PT_bake,
     MULTIBOUNCE_AO_PT_occlusion,
     MULTIBOUNCE_AO_PT_result,
     MULTIBOUNCE_AO_PT_texture,
 )
+from .panels.field_panel import MULTIBOUNCE_AO_PT_field
 from .panels.fit_panel import MULTIBOUNCE_AO_PT_fit
+from .panels.world_panel import MULTIBOUNCE_AO_PT_world
 
 # In order of registration: the settings' type before its place on the scene, a panel before its sub-panels.
 CLASSES = (
@@ -28,13 +37,21 @@ CLASSES = (
     MULTIBOUNCE_AO_OT_bake,
     MULTIBOUNCE_AO_OT_clear,
     MULTIBOUNCE_AO_OT_add_nodes,
+    MULTIBOUNCE_AO_OT_add_curve_nodes,
     MULTIBOUNCE_AO_OT_fit_bounces,
     MULTIBOUNCE_AO_OT_clear_fit,
+    MULTIBOUNCE_AO_OT_bake_field,
+    MULTIBOUNCE_AO_OT_apply_field,
+    MULTIBOUNCE_AO_OT_project_world,
+    MULTIBOUNCE_AO_OT_clear_world,
+    MULTIBOUNCE_AO_OT_add_world_light,
     MULTIBOUNCE_AO_PT_bake,
     MULTIBOUNCE_AO_PT_occlusion,
     MULTIBOUNCE_AO_PT_texture,
     MULTIBOUNCE_AO_PT_result,
     MULTIBOUNCE_AO_PT_fit,
+    MULTIBOUNCE_AO_PT_world,
+    MULTIBOUNCE_AO_PT_field,
 )
 
 

@@ -19,7 +19,13 @@ Curves of AO: ``height_map.py`` or a mesh -> ``simulation.py`` (all bounces betw
 (means against AO, coefficients that fit them) -> ``curve_plot.py`` by ``plot.py``, ``canvas.py``, ``stroke_font.py``;
 ``area_mean.py`` scales maps down.
 
-Beside them ``albedo.py`` (base colours of what blocks light), ``surface.py`` (triangles and their corners),
-``scan_conversion.py`` and ``texel_rim.py`` (parts of the rasteriser), ``morton.py`` (points along a curve),
-``workers.py`` (threads), ``margin.py`` and ``exr.py``.
+AO fields: ``field_hull.py``, ``field_rays.py`` (what an object blocks, seen from around it) -> ``field_fit.py``,
+``field_inside.py`` -> ``ao_field.py`` (its evaluation) by ``cubemap.py`` and ``cap.py``; ``field_bake.py`` does it all,
+``field_files.py`` keeps it, ``field_combine.py`` takes several together.
+
+The World's light: ``spherical_harmonics.py``, ``clipped_cone.py`` -> ``bent_cone.py``; ``specular_occlusion.py``.
+
+Beside them ``albedo.py`` (base colours of what blocks light), ``surroundings.py`` (points on what stands around a
+simulated mesh), ``surface.py`` (triangles and their corners), ``scan_conversion.py`` and ``texel_rim.py`` (parts of the
+rasteriser), ``morton.py`` (points along a curve), ``workers.py`` (threads), ``margin.py`` and ``exr.py``.
 """

@@ -18,6 +18,9 @@ from .simulation import Simulation
 
 # Bounds of log A and of B, for curves too short to tell the two apart: exp of it is far from float64's ends.
 MOST_EXPONENT = 50.0
+# Least exponent of F0. At 0 the form jumps at alpha = 1, which no surface does: one that is all but open sees all but
+# the whole sky. At 0.1 two fifths of the jump are spread over a hundred bins, and hardly any residual is lost.
+LEAST_F0_EXPONENT = 0.1
 
 
 @dataclass(frozen=True)
@@ -37,7 +40,11 @@ class BounceCurves:
 @dataclass(frozen=True)
 class BounceFit(Coefficients):
     """Coefficients that fit some curves, and how well: rms residuals over the points' bins, of F0, of F1, and of tau
-    against F2 / F1 (NaN for curves of one bounce, or without light that bounces)."""
+    against F2 / F1 (NaN for curves of one bounce).
+
+    Errors of tau count by F1, the light that tau multiplies, so that bins without light, where F2 / F1 is any number,
+    have no say: ``tau_rms`` is the rms error of F2 = tau F1, with F1 as measured, over the rms of F1.
+    """
 
     f0_rms: float = np.nan
     f1_rms: float = np.nan
@@ -79,7 +86,7 @@ def fit_curves(curves: BounceCurves) -> BounceFit:
         return weight * (multibounce.f0(ao, Coefficients(f0_factor=unknown[0], f0_exponent=unknown[1])) - direct)
 
     start = PUBLISHED.f0_factor, PUBLISHED.f0_exponent
-    f0_fit = least_squares(f0_residuals, start, bounds=((-1.0, 0.0), (np.inf, np.inf)))
+    f0_fit = least_squares(f0_residuals, start, bounds=((-1.0, LEAST_F0_EXPONENT), (np.inf, np.inf)))
 
     def with_f1(log_a: float, b: float) -> Coefficients:
         return Coefficients(float(np.exp(log_a)), float(b), *map(float, f0_fit.x))
@@ -98,9 +105,8 @@ def fit_curves(curves: BounceCurves) -> BounceFit:
     f1_fit = least_squares(f1_residuals, start, x_scale="jac", bounds=(-MOST_EXPONENT, MOST_EXPONENT))
     fit, tau_rms = with_f1(*f1_fit.x), np.nan
     if len(curves.mean) > 2:
-        has = first > 0.0
-        residual = multibounce.tau(ao[has], fit) - curves.mean[2, used][has] / first[has]
-        tau_rms = float(np.sqrt(np.average(np.square(residual), weights=np.square(weight[has]))))
+        missed = multibounce.tau(ao, fit) * first - curves.mean[2, used]
+        tau_rms = float(np.linalg.norm(weight * missed) / np.linalg.norm(weight * first))
     f0_rms, f1_rms = (float(np.sqrt(np.square(each.fun).sum())) for each in (f0_fit, f1_fit))
     return BounceFit(*astuple(fit), f0_rms, f1_rms, tau_rms)
 

@@ -92,19 +92,25 @@ class TexelPoints:
 
 
 def spread_points(corners: CornerTable, count: int) -> SurfacePoints:
-    """``count`` points spread evenly over the area of a surface.
+    """``count`` points spread evenly over the area of a surface, as :func:`spread` does."""
+    positions, normals = corners.at(*spread(corners.areas(), count))
+    return SurfacePoints(positions.T, normals.T)
+
+
+def spread(areas: NDArray[np.float64], count: int) -> tuple[NDArray[np.intp], NDArray[np.float64], NDArray[np.float64]]:
+    """``count`` points spread evenly over triangles with these ``areas`` (m,): the triangle of each (count,), and the
+    weights of its second and third corner.
 
     Triangles get theirs by equal steps of area, and in a triangle they follow Roberts' R2 sequence, folded over the
     diagonal of the unit square.
     """
     index = np.arange(count)
-    area = np.cumsum(corners.areas())
+    area = np.cumsum(areas)
     triangle = np.searchsorted(area, (index + 0.5) / max(count, 1) * area[-1], side="right").clip(0, len(area) - 1)
     v, w = (0.5 + np.outer(1.0 / PLASTIC ** np.array((1.0, 2.0)), index)) % 1.0
     over = v + w > 1.0
     v[over], w[over] = 1.0 - v[over], 1.0 - w[over]
-    positions, normals = corners.at(triangle, v, w)
-    return SurfacePoints(positions.T, normals.T)
+    return triangle, v, w
 
 
 def texel_places(samples: int) -> int:

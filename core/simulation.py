@@ -22,6 +22,7 @@ from .height_map import HeightMap
 from .rays import Obscurance, Occluders
 from .sample_points import CornerTable, SurfacePoints, spread_points
 from .sampling import carried_frames, hemisphere_pattern, turns
+from .surroundings import Ball, surrounding_points
 from .workers import Workers, slices
 
 MOST_RAYS = 2**26
@@ -70,36 +71,66 @@ def simulate_mesh(
 ) -> Generator[float, None, Simulation]:
     """Simulate a mesh from ``points`` spread evenly over its area, ``samples`` rays each; yields the fraction done.
 
-    occluders  the triangles of ``corners``, in their order, and no floor: light comes off what has points
+    occluders  first the triangles of ``corners``, in their order, then what stands around them; perhaps a floor
     extent     as for :func:`core.visibility.trace_visibility`
     seed       turns the rays; equal seeds give equal bits, whatever the number of threads
 
     The result is of the points on the front. Backs of faces have points too, where light comes off them: sheets and
-    sealed parts keep their two sides apart. A hit links to the nearest point that faces as it does.
+    sealed parts keep their two sides apart. A hit links to the nearest point that faces as it does. What stands around
+    has points of its own, as many as the mesh at most (:mod:`.surroundings`).
 
-    Raises ValueError for a mesh without area, a floor, fewer than one bounce, point or sample, and above MOST_RAYS,
-    where each of ``points`` counts for two.
+    Raises ValueError for a mesh without area, occluders that do not have its triangles, fewer than one bounce, point or
+    sample, and above MOST_RAYS, where each of ``points`` counts for two, or for four if anything stands around.
     """
     areas = corners.areas()
-    if occluders.ground_height is not None or len(areas) != len(occluders.triangles):
-        raise ValueError("bounces are simulated on the mesh's own triangles: instead of a floor, add a plane to it")
+    own = len(areas)
+    if own > len(occluders.triangles):
+        raise ValueError("the occluders of a mesh begin with its own triangles, in their order")
     if not areas.sum() > 0.0:
         raise ValueError("bounces need a surface: the mesh has no faces with an area")
-    _check(points, samples, bounces, 2 * points * samples)
-    from scipy.spatial import cKDTree
+    alone = own == len(occluders.triangles) and occluders.ground_height is None
+    _check(points, samples, bounces, (2 if alone else 4) * points * samples)
 
-    front = spread_points(corners, points)
-    both = SurfacePoints(np.tile(front.positions, (2, 1)), np.concatenate((front.normals, -front.normals)))
-    weight = FACING * np.sqrt(areas.sum() / points)
-    tree = cKDTree(np.column_stack((both.positions, weight * both.normals)))
+    front, spacing = spread_points(corners, points), float(np.sqrt(areas.sum() / points))
+    sheets = [_Sheets(front, spacing)]
+    if not alone:
+        ball = Ball.about(front.positions)
+        sheets.append(_Sheets(*surrounding_points(occluders, own, ball, spacing, points), ball))
+    sides = SurfacePoints(
+        *(np.concatenate([getattr(each.points, name) for each in sheets]) for name in ("positions", "normals"))
+    )
 
-    def point_at(positions: NDArray, normals: NDArray) -> NDArray[np.intp]:
-        return tree.query(np.column_stack((positions, weight * normals)))[1]
+    def point_at(triangle: NDArray, positions: NDArray, normals: NDArray) -> NDArray[np.intp]:
+        found, first = np.full(len(triangle), -1), 0
+        for each, chosen in zip(sheets, (triangle < own, triangle >= own), strict=False):
+            if len(each.points):
+                found[chosen] = first + each.nearest(positions[chosen], normals[chosen])
+            first += len(each.points)
+        return found
 
     alpha, direct, links = yield from trace_links(
-        occluders, both, point_at, wanted=points, samples=samples, extent=extent, seed=seed, threads=threads
+        occluders, sides, point_at, wanted=points, samples=samples, extent=extent, seed=seed, threads=threads
     )
     return Simulation(alpha[:points], links.series(direct, bounces)[:, :points])
+
+
+class _Sheets:
+    """The points of a surface on its front, then on its back, about ``spacing`` apart once the ``ball`` has drawn them
+    in; found by where they are and how they face."""
+
+    def __init__(self, front: SurfacePoints, spacing: float, ball: Ball | None = None):
+        from scipy.spatial import cKDTree
+
+        self.points = SurfacePoints(np.tile(front.positions, (2, 1)), np.concatenate((front.normals, -front.normals)))
+        self._facing, self._ball = FACING * spacing, ball
+        self._tree = cKDTree(self._place(self.points.positions, self.points.normals))
+
+    def _place(self, positions: NDArray, normals: NDArray) -> NDArray[np.float64]:
+        at = positions if self._ball is None else self._ball.drawn_in(positions)
+        return np.column_stack((at, self._facing * normals))
+
+    def nearest(self, positions: NDArray, normals: NDArray) -> NDArray[np.intp]:
+        return self._tree.query(self._place(positions, normals))[1]
 
 
 def simulate_height_map(
@@ -114,7 +145,7 @@ def simulate_height_map(
     alpha, direct, links = yield from trace_links(
         height_map.occluders(),
         height_map.points(),
-        lambda positions, normals: height_map.pixels_at(positions),
+        lambda triangle, positions, normals: height_map.pixels_at(positions),
         wanted=len(height_map),
         samples=samples,
         extent=height_map.extent,
@@ -127,7 +158,7 @@ def simulate_height_map(
 def trace_links(
     occluders: Occluders,
     points: SurfacePoints,
-    point_at: Callable[[NDArray, NDArray], NDArray[np.integer]],
+    point_at: Callable[[NDArray, NDArray, NDArray], NDArray[np.integer]],
     *,
     wanted: int,
     samples: int,
@@ -137,7 +168,8 @@ def trace_links(
 ) -> Generator[float, None, tuple[NDArray[np.float64], NDArray[np.float64], Links]]:
     """alpha (n,), direct light F_0 (n,) and links of n ``points``; yields the fraction done.
 
-    point_at  the points (k,) that stand for hits at world positions (k, 3) on sides with unit normals (k, 3)
+    point_at  the points (k,) that stand for hits on triangles (k,), as :class:`core.rays.Hits` numbers them, at world
+              positions (k, 3), on sides with unit normals (k, 3); -1: none does
     wanted    the first so many points are traced, then those that light comes from; others have no light and no links
 
     Closing the generator stops after the blocks in flight.
@@ -158,7 +190,8 @@ def trace_links(
         blocked = np.flatnonzero(hits.triangle >= 0)
         at = origins[blocked] + hits.distance[blocked, None] * directions[blocked]
         found = np.full(len(origins), -1, np.int32)
-        found[blocked] = point_at(at / occluders.scale + occluders.centre, hits.normals(blocked))
+        world = at / occluders.scale + occluders.centre
+        found[blocked] = point_at(hits.triangle[blocked], world, hits.normals(blocked))
         target[chosen] = found.reshape(len(chosen), samples)
         seen[chosen] = hits.visible.reshape(len(chosen), samples) @ weights
         return len(chosen)

@@ -23,7 +23,6 @@ def bake_ruin(ruin: Ruin, maps_folder: str) -> float:
     """Bake some objects to vertices and some to textures in `maps_folder`; returns the seconds it took."""
     started = time.perf_counter()
     settings = bpy.context.scene.multibounce_ao
-    settings.bounces = "FITTED"
     settings.target = "VERTEX"
     settings.samples = VERTEX_SAMPLES
     _bake(ruin.vertex_objects)

@@ -15,7 +15,7 @@ HERO_SKY_LOW = np.array([0.80, 0.70, 0.55])
 CAPTION_HEIGHT = 62
 GAP = 8
 # Left, top, width, height of the detail in the comparison: the niche.
-DETAIL = (290, 80, 346, 350)
+DETAIL = (239, 68, 264, 272)
 
 
 def over_sky(render: np.ndarray, top: np.ndarray, low: np.ndarray) -> np.ndarray:
@@ -37,8 +37,8 @@ def against_reference(render: np.ndarray, reference: np.ndarray) -> dict[str, fl
     return {"rms": float(np.sqrt(np.mean(difference**2))), "mean": float(difference.mean())}
 
 
-def save_png(linear: np.ndarray, path: Path) -> None:
-    """Write linear RGB (height, width, 3) through the scene's view transform."""
+def save_picture(linear: np.ndarray, path: Path) -> None:
+    """Write linear RGB (height, width, 3) through the scene's view transform, as PNG or JPEG by the file's name."""
     height, width, _ = linear.shape
     image = bpy.data.images.new(path.stem, width, height, float_buffer=True)
     pixels = np.ones((height, width, 4), np.float32)
@@ -47,8 +47,9 @@ def save_png(linear: np.ndarray, path: Path) -> None:
     settings = bpy.context.scene.render.image_settings
     if bpy.app.version >= (5, 0, 0):
         settings.media_type = "IMAGE"
-    settings.file_format, settings.color_mode, settings.color_depth = "PNG", "RGB", "8"
-    settings.compression = 90
+    settings.file_format, settings.color_mode = ("JPEG" if path.suffix == ".jpg" else "PNG"), "RGB"
+    settings.color_depth = "8"
+    settings.compression, settings.quality = 90, 92
     image.save_render(str(path), scene=bpy.context.scene)
     bpy.data.images.remove(image)
 
@@ -88,9 +89,9 @@ def save_all(
     columns = []
     for name, render in renders.items():
         picture = over_sky(render, BACKDROP_TOP, BACKDROP_LOW)
-        save_png(picture, folder / f"{name}.png")
+        save_picture(picture, folder / f"{name}.png")
         note = f"rms difference {differences[name]['rms']:.3f}" if name in differences else "the reference, 12 bounces"
         columns.append((titles[name], note, picture))
-    save_png(comparison(columns), folder / "comparison.png")
-    save_png(hero(bounced, sunlight), folder / "hero.png")
+    save_picture(comparison(columns), folder / "comparison.png")
+    save_picture(hero(bounced, sunlight), folder / "hero.png")
     return differences

@@ -10,11 +10,11 @@ import OpenEXR
 import shading
 from quiet import quiet
 
-SIZE = (960, 640)
+SIZE = (768, 512)
 REFERENCE_BOUNCES = 12
 AMBIENT_SAMPLES = 8
 SUN_SAMPLES = 8
-REFERENCE_SAMPLES = 16
+REFERENCE_SAMPLES = 24
 
 
 def set_up() -> None:
@@ -32,13 +32,13 @@ def set_up() -> None:
         scene.world.use_nodes = True
 
 
-def _light_world(radiance: float) -> None:
+def light_world(radiance: float) -> None:
     background = next(n for n in bpy.context.scene.world.node_tree.nodes if n.type == "BACKGROUND")
     background.inputs["Color"].default_value = (1, 1, 1, 1)
     background.inputs["Strength"].default_value = radiance
 
 
-def _render(samples: int, bounces: int) -> dict[str, np.ndarray]:
+def render(samples: int, bounces: int) -> dict[str, np.ndarray]:
     """Render, and return the passes by name."""
     scene = bpy.context.scene
     scene.cycles.samples = samples
@@ -70,24 +70,24 @@ def _render(samples: int, bounces: int) -> dict[str, np.ndarray]:
 def ambient() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Flat ambient, grey AO, multibounce AO, all under a white World of radiance 1; out of one render."""
     shading.show_ambient()
-    _light_world(0)
-    passes = _render(AMBIENT_SAMPLES, bounces=0)
+    light_world(0)
+    passes = render(AMBIENT_SAMPLES, bounces=0)
     return passes[shading.FLAT_AOV], passes[shading.GREY_AOV], passes["Combined"]
 
 
 def sunlight(sun: bpy.types.Object) -> np.ndarray:
     """Direct light of the sun alone, with its shadows."""
     shading.show_principled()
-    _light_world(0)
+    light_world(0)
     sun.hide_render = False
-    return _render(SUN_SAMPLES, bounces=0)["Combined"]
+    return render(SUN_SAMPLES, bounces=0)["Combined"]
 
 
 def path_traced(sun: bpy.types.Object) -> np.ndarray:
     """The reference: the white World itself, diffuse surfaces, many bounces; denoised where Cycles can."""
     shading.show_diffuse()
-    _light_world(1)
+    light_world(1)
     sun.hide_render = True
     bpy.context.scene.cycles.use_denoising = True
     bpy.context.scene.cycles.denoising_prefilter = "FAST"
-    return _render(REFERENCE_SAMPLES, REFERENCE_BOUNCES)["Combined"]
+    return render(REFERENCE_SAMPLES, REFERENCE_BOUNCES)["Combined"]

@@ -8,7 +8,7 @@ import bpy
 
 FLAT_AOV = "Flat"
 GREY_AOV = "Grey AO"
-GROUP_OUTPUTS = {"Color", "Factor"}
+GROUP_OUTPUTS = {"Color", "Factor", "AO"}
 
 
 @dataclass
@@ -41,20 +41,6 @@ def taps() -> Iterator[Tap]:
             )
 
 
-def _baked_f0(tap: Tap) -> bpy.types.NodeSocket:
-    """The AO map itself, F0: the red channel beside the cone that feeds the group."""
-    cone = tap.group.inputs["AO"].links[0].from_node
-    source = tap.tree.nodes.new(cone.bl_idname)
-    if cone.type == "ATTRIBUTE":
-        source.attribute_name = "Multibounce AO"
-    else:
-        source.image = bpy.data.images[cone.image.name.replace("Bent Cone", "Multibounce AO")]
-        tap.tree.links.new(cone.inputs["Vector"].links[0].from_socket, source.inputs["Vector"])
-    channels = tap.tree.nodes.new("ShaderNodeSeparateColor")
-    tap.tree.links.new(source.outputs["Color"], channels.inputs["Color"])
-    return channels.outputs["Red"]
-
-
 def _output_aov(tap: Tap, name: str, color: bpy.types.NodeSocket) -> None:
     aov = tap.tree.nodes.new("ShaderNodeOutputAOV")
     aov.aov_name = name
@@ -75,7 +61,7 @@ def show_ambient() -> None:
         dimmed = tap.tree.nodes.new("ShaderNodeVectorMath")
         dimmed.operation = "SCALE"
         tap.tree.links.new(tap.base_color, dimmed.inputs[0])
-        tap.tree.links.new(_baked_f0(tap), dimmed.inputs["Scale"])
+        tap.tree.links.new(tap.group.outputs["AO"], dimmed.inputs["Scale"])
         _output_aov(tap, FLAT_AOV, tap.base_color)
         _output_aov(tap, GREY_AOV, dimmed.outputs["Vector"])
 

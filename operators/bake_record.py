@@ -36,13 +36,19 @@ def record_bake(obj: bpy.types.Object, settings: BakeSettings, report: ObjectRep
     obj[PROPERTY]["warnings"] = report.warnings
 
 
-def baked_source(obj: bpy.types.Object) -> BakedSource | None:
-    """Where the materials of ``obj`` find its bake, or None where it has none."""
+def baked_source(obj: bpy.types.Object, group: str | None = None) -> BakedSource | None:
+    """Where materials find what the bake of ``obj`` left for a ``group`` of :data:`.material_nodes.GROUPS`, by default
+    that of its bounces; None where it has nothing for it."""
     record = obj.get(PROPERTY)
-    if record is None or "target" not in record:
+    if obj.type != "MESH" or record is None or "target" not in record:
         return None
+    channels = {channel for channel, _ in GROUPS[group or record["bounces"]][1].values()}
     if record["target"] == "VERTEX":
-        return BakedSource()
+        return BakedSource() if channels <= set(obj.data.attributes.keys()) else None
     images = recorded_images(obj)
-    channels = {channel for channel, _ in GROUPS[record["bounces"]][1].values()}
     return BakedSource(images, record["uv_map"]) if channels <= images.keys() else None
+
+
+def curve_group(obj: bpy.types.Object) -> str:
+    """Which of :data:`.material_nodes.GROUPS` shows the F0 of the last bake of ``obj`` by the curve."""
+    return "CURVE_OF_RADIOSITY" if obj.get(PROPERTY, {}).get("bounces") == "RADIOSITY" else "CURVE"

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Take a bake back: attributes, images and nodes."""
+"""Take a bake back: attributes, images, AO fields and nodes."""
 
 from __future__ import annotations
 
 import bpy
 
+from .field_receivers import RECEIVES, clear_fields
 from .images import images_of_only
 from .names import PROPERTY
 from .object_materials import mesh_is_baked, unplug_images, unplug_objects
@@ -13,7 +14,14 @@ from .vertex_target import remove_attributes
 
 
 def clear_bake(objects: list[bpy.types.Object]) -> None:
-    """Remove what bakes left on the mesh ``objects`` and put their materials back. Files on disk stay."""
+    """Remove what bakes left on ``objects``, their AO fields and those they receive, and put their materials back.
+    Files on disk stay."""
+    _clear_maps([obj for obj in objects if obj.type == "MESH"])
+    clear_fields(objects)
+
+
+def _clear_maps(objects: list[bpy.types.Object]) -> None:
+    """On mesh objects: attributes or images, and their nodes."""
     cleared = set(objects)
     images = images_of_only(cleared)
     unplug_objects(objects)
@@ -28,7 +36,7 @@ def clear_bake(objects: list[bpy.types.Object]) -> None:
 
 
 class MULTIBOUNCE_AO_OT_clear(bpy.types.Operator):
-    """Remove what a bake made on the selected objects: attributes, images and material nodes. Files on disk stay"""
+    """Remove what bakes made on the selected objects: attributes, images, AO fields and nodes. Files on disk stay"""
 
     bl_idname = "multibounce_ao.clear"
     bl_label = "Clear Bake"
@@ -47,4 +55,8 @@ class MULTIBOUNCE_AO_OT_clear(bpy.types.Operator):
 
 
 def _clearable(context: bpy.types.Context) -> list[bpy.types.Object]:
-    return [obj for obj in context.selected_objects if obj.type == "MESH" and not (obj.library or obj.data.library)]
+    return [
+        obj
+        for obj in context.selected_objects
+        if (obj.type == "MESH" or RECEIVES in obj) and not (obj.library or obj.data.library)
+    ]

@@ -11,7 +11,8 @@ import bpy
 
 from .command_scene import DONE, NOT_ALL_DONE, UsageError, add_command, no_object, open_scene, save_scene, write_report
 from .fit_bounces import fit_source, summary
-from .fit_job import FitReport, FitSettings, fit_bounces
+from .fit_job import FitReport, fit_bounces
+from .fit_sources import FitSettings
 from .progress import StderrProgress, drive
 from .report import BakeError, bake_report
 from .version import extension_version
@@ -26,7 +27,9 @@ def add_to(commands: argparse._SubParsersAction) -> None:
         description=(
             "Simulate light that bounces on a surface of SCENE.blend, fit the curves of Multibounce AO Fit to it, and "
             "keep the fit on the scene, with its curves as CSV and as a plot. The surface is the object named by "
-            "--object, or the height map of the settings (--set height_map=IMAGE), or else the active object."
+            "--object, or the height map of the settings (--set height_map=IMAGE), or else the active object. An "
+            "object stands among its occluders: --set occluders=SELF takes it alone, SELECTED with what is selected in "
+            "the .blend, and --set use_ground_plane=on puts a floor under it."
         ),
         object_help="simulate this mesh object",
         failure="the surface could not be fitted or the .blend not saved",
@@ -43,7 +46,8 @@ def _fit(options: argparse.Namespace) -> int:
         report = FitReport(source, "MESH", error=no_object(source))
     else:
         try:
-            report = drive(fit_bounces(bpy.context, source, FitSettings.of(scene)), show)
+            selected = [obj for obj in bpy.context.view_layer.objects if obj.select_get()]
+            report = drive(fit_bounces(bpy.context, source, FitSettings.of(scene), selected=selected), show)
         except BakeError as error:
             report = FitReport.of(source, error=str(error))
 

@@ -8,7 +8,7 @@ import sys
 
 import bpy
 
-from . import command_bake, command_fit
+from . import command_bake, command_field, command_fit, command_world
 from .command_scene import DONE, WRONG_USAGE, UsageError
 
 
@@ -32,7 +32,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
     command_bake.add_to(commands)
+    command_field.add_to(commands)
     command_fit.add_to(commands)
+    command_world.add_to(commands)
     return parser
 
 

@@ -6,14 +6,15 @@ from __future__ import annotations
 import bpy
 
 from ..shader_nodes.multibounce_fit import STORED_FIT, show_fit
-from .fit_job import FitReport, FitSettings, fit_bounces
+from .fit_job import FitReport, fit_bounces
+from .fit_sources import FitSettings
 from .poll import object_mode_with
 from .progress import StderrProgress, drive
 from .report import BakeError, count_text
 
 
 class MULTIBOUNCE_AO_OT_fit_bounces(bpy.types.Operator):
-    """Simulate light that bounces on the active mesh, or on the height map, and fit the curves of Multibounce AO Fit"""
+    """Simulate light that bounces on the active mesh among its occluders, or on the height map, and fit its curves"""
 
     bl_idname = "multibounce_ao.fit_bounces"
     bl_label = "Fit Bounce Curves"
@@ -26,7 +27,8 @@ class MULTIBOUNCE_AO_OT_fit_bounces(bpy.types.Operator):
         return object_mode_with(cls, context, [source] if source is not None else [], nothing)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        work = fit_bounces(context, fit_source(context), FitSettings.of(context.scene))
+        settings = FitSettings.of(context.scene)
+        work = fit_bounces(context, fit_source(context), settings, selected=context.selected_objects)
         cursor = context.window_manager
         show = StderrProgress() if bpy.app.background else lambda step: cursor.progress_update(int(100 * step.fraction))
         cursor.progress_begin(0, 100)

@@ -8,7 +8,7 @@ computed before anything is written, so closing the generator at any yield leave
 from __future__ import annotations
 
 import time
-from collections.abc import Generator
+from collections.abc import Collection, Generator
 from dataclasses import asdict, dataclass, field
 from functools import partial
 
@@ -20,7 +20,7 @@ from ..core.simulation import Simulation
 from ..core.workers import mapped
 from ..shader_nodes.multibounce_fit import STORED_FIT, show_fit
 from .curve_outputs import check_names, store_curves
-from .fit_sources import simulate_image, simulate_object
+from .fit_sources import FitSettings, simulate_image, simulate_object
 from .images import output_folder
 from .progress import Progress
 from .report import BakeError
@@ -28,20 +28,6 @@ from .version import extension_version
 
 # Part of the work that is the simulation; fitting and drawing take about a second.
 SIMULATION_SHARE = 0.9
-
-
-@dataclass(frozen=True)
-class FitSettings:
-    """A copy of those settings that a fit reads, at the moment it starts."""
-
-    samples: int
-    seed: int
-    height_map_amplitude: float
-    output_directory: str
-
-    @classmethod
-    def of(cls, scene: bpy.types.Scene) -> FitSettings:
-        return cls(**{name: getattr(scene.multibounce_ao, name) for name in cls.__dataclass_fields__})
 
 
 @dataclass
@@ -75,11 +61,14 @@ def fit_bounces(
     source: bpy.types.Object | bpy.types.Image,
     settings: FitSettings,
     threads: int | None = None,
+    *,
+    selected: Collection[bpy.types.Object] = (),
 ) -> Generator[Progress, None, FitReport]:
     """Simulate and fit the bounces on ``source``, a mesh object of the context's view layer or a height map, and store
     the fit on the context's scene. Raises BakeError, which names ``source`` or the output folder.
 
-    threads  default one a core; it changes no bit of the result
+    threads   default one a core; it changes no bit of the result
+    selected  what else blocks and reflects light with the occluders 'SELECTED'
     """
     started = time.perf_counter()
     report = FitReport.of(source, samples=settings.samples)
@@ -88,7 +77,7 @@ def fit_bounces(
     try:
         check_names(source, folder)
         simulation = yield from mapped(
-            _simulate(context, source, settings, report.warnings, threads),
+            _simulate(context, source, settings, selected, report.warnings, threads),
             partial(_progress, name=source.name),
         )
         curves = bin_bounces(simulation)
@@ -123,13 +112,13 @@ def _simulate(
     context: bpy.types.Context,
     source: bpy.types.Object | bpy.types.Image,
     settings: FitSettings,
+    selected: Collection[bpy.types.Object],
     warnings: list[str],
     threads: int | None,
 ) -> Generator[float, None, Simulation]:
-    common = settings.samples, settings.seed, warnings, threads
     if isinstance(source, bpy.types.Image):
-        return simulate_image(source, settings.height_map_amplitude, *common)
-    return simulate_object(context, source, *common)
+        return simulate_image(source, settings, warnings, threads)
+    return simulate_object(context, source, settings, selected, warnings, threads)
 
 
 def _fit(curves: BounceCurves) -> BounceFit:

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What bounce curves are simulated on: a mesh object as it is evaluated, or the relief of an image.
+"""What bounce curves are simulated on: a mesh object as it is evaluated among its occluders, or an image's relief.
 
 Messages go on from "Object 'name' " or "Image 'name' ".
 """
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Collection, Generator
+from dataclasses import dataclass
 
 import bpy
 import numpy as np
@@ -19,60 +20,93 @@ from ..core.sample_points import CornerTable
 from ..core.simulation import MOST_RAYS, Simulation, simulate_height_map, simulate_mesh
 from ..core.surface import Surface, extent_of, unit
 from .occluder_reader import read_occluders
+from .occluder_scenes import OccluderScenes
 from .report import BakeError
 
 # On average this many in each of a hundred bins are enough for smooth curves; large height maps are scaled down to so
-# many pixels. Fewer where the samples are so many that the rays would pass MOST_RAYS.
+# many pixels. Fewer where the samples are so many that the rays would pass MOST_RAYS: each point of a mesh may count
+# for four.
 MESH_POINTS = 2**14
 IMAGE_POINTS = 2**16
+
+
+@dataclass(frozen=True)
+class FitSettings:
+    """A copy of those settings that a fit reads, at the moment it starts."""
+
+    samples: int
+    occluders: str
+    use_ground_plane: bool
+    seed: int
+    height_map_amplitude: float
+    output_directory: str
+
+    @classmethod
+    def of(cls, scene: bpy.types.Scene) -> FitSettings:
+        return cls(**{name: getattr(scene.multibounce_ao, name) for name in cls.__dataclass_fields__})
 
 
 def simulate_object(
     context: bpy.types.Context,
     obj: bpy.types.Object,
-    samples: int,
-    seed: int,
+    settings: FitSettings,
+    selected: Collection[bpy.types.Object],
     warnings: list[str],
     threads: int | None = None,
 ) -> Generator[float, None, Simulation]:
-    """Simulate a mesh object with its modifiers and the instances it makes, flat as its faces are; what else is in the
-    scene neither blocks nor reflects light. Yields the fraction done; appends to ``warnings``. Raises BakeError."""
+    """Simulate a mesh object with its modifiers and the instances it makes, flat as its faces are.
+
+    Light is blocked by, and comes off, what the settings name, as in a bake: ``selected`` with the occluders
+    'SELECTED'. Yields the fraction done; appends to ``warnings``. Raises BakeError.
+    """
     if obj.type != "MESH":
         raise BakeError("is not a mesh: choose a mesh, or a height map")
     if obj.mode == "EDIT":
         raise BakeError("is in Edit Mode: leave it first")
     if not obj.visible_get(view_layer=context.view_layer):
         raise BakeError("is hidden in the viewport: show it first")
-    vertices, triangles, found = read_occluders(context.evaluated_depsgraph_get(), {obj})
+    depsgraph = context.evaluated_depsgraph_get()
+    vertices, triangles, found = read_occluders(depsgraph, {obj})
     warnings += found
     corners = CornerTable(_flat_surface(vertices, triangles))
     if not corners.areas().sum() > 0.0:
         raise BakeError("has no faces with an area: add some, or choose another object")
+    scenes = OccluderScenes(context, [obj], selected, settings)
+    others, other_triangles, found = read_occluders(depsgraph, scenes.owners_for(obj) - {obj})
+    warnings += found
+    used = vertices[triangles].reshape(-1, 3)
+    occluders = Occluders(
+        np.concatenate((vertices, others)),
+        np.concatenate((triangles, other_triangles + len(vertices))),
+        scenes.ground_height,
+        centre=0.5 * (used.min(axis=0) + used.max(axis=0)),
+    )
     return (
         yield from simulate_mesh(
-            Occluders(vertices, triangles),
+            occluders,
             corners,
-            points=min(MESH_POINTS, MOST_RAYS // (2 * samples)),
-            samples=samples,
+            points=min(MESH_POINTS, MOST_RAYS // (4 * settings.samples)),
+            samples=settings.samples,
             extent=extent_of(vertices, triangles),
-            seed=seed,
+            seed=settings.seed,
             threads=threads,
         )
     )
 
 
 def simulate_image(
-    image: bpy.types.Image, amplitude: float, samples: int, seed: int, warnings: list[str], threads: int | None = None
+    image: bpy.types.Image, settings: FitSettings, warnings: list[str], threads: int | None = None
 ) -> Generator[float, None, Simulation]:
-    """Simulate the relief of ``image``, ``amplitude`` high as a fraction of its width; as :func:`simulate_object`."""
+    """Simulate the relief of ``image``, which repeats without end; as :func:`simulate_object`."""
     heights = _read_heights(image)
-    shape = fitting_shape(heights.shape, min(IMAGE_POINTS, MOST_RAYS // samples))
+    shape = fitting_shape(heights.shape, min(IMAGE_POINTS, MOST_RAYS // settings.samples))
     if shape != heights.shape:
         warnings.append(
             f"Simulated at {shape[1]} x {shape[0]} pixels, the means of its {image.size[0]} x {image.size[1]}"
         )
         heights = area_mean(heights, shape)
-    return (yield from simulate_height_map(HeightMap(heights, amplitude), samples=samples, seed=seed, threads=threads))
+    height_map = HeightMap(heights, settings.height_map_amplitude)
+    return (yield from simulate_height_map(height_map, samples=settings.samples, seed=settings.seed, threads=threads))
 
 
 def _flat_surface(vertices: NDArray[np.float64], triangles: NDArray[np.int32]) -> Surface:

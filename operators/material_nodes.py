@@ -8,20 +8,27 @@ from dataclasses import dataclass
 
 import bpy
 
-from ..shader_nodes import multibounce_ao, multibounce_fit, multibounce_radiosity
+from ..shader_nodes import bent_cone, multibounce_ao, multibounce_curve, multibounce_fit, multibounce_radiosity
 from .names import BENT_CONE, MULTIBOUNCE_AO, PROPERTY, RADIOSITY
 
-# For each kind of bounces: the group, and which channel's output feeds which of its inputs.
+# For each kind of bounces, and for the curve, which takes the F0 of either bake: the group, and which channel's output
+# feeds which of its inputs.
 GROUPS = {
     "FITTED": (multibounce_fit, {"AO": (BENT_CONE, "Alpha")}),
     "BAKED": (multibounce_ao, {"Bounces": (MULTIBOUNCE_AO, "Color"), "Tail": (MULTIBOUNCE_AO, "Alpha")}),
     "RADIOSITY": (multibounce_radiosity, {"Radiosity": (RADIOSITY, "Color")}),
+    "CURVE": (multibounce_curve, {"AO": (MULTIBOUNCE_AO, "Red")}),
+    "CURVE_OF_RADIOSITY": (multibounce_curve, {"AO": (RADIOSITY, "Alpha")}),
 }
+# The same for the group that brings the World's light to those.
+WORLD_LIGHT = {"Bent Cone": (BENT_CONE, "Color"), "Alpha": (BENT_CONE, "Alpha")}
 # What a mesh without the attribute shows instead, as open.
 OPEN = {MULTIBOUNCE_AO: (1.0, 0.0, 0.0, 1.0), RADIOSITY: (1.0, 1.0, 1.0, 1.0)}
 
 # Set on a material whose nodes were off before we came.
 _NODES_WERE_OFF = "multibounce_ao_nodes_were_off"
+# Set on the node that brings the World's light.
+_WORLD_LIGHT = "multibounce_ao_world_light"
 
 
 @dataclass(frozen=True)
@@ -49,12 +56,35 @@ def plug(material: bpy.types.Material, bounces: str, source: BakedSource | None)
     groups = []
     for bsdf in _shaders(tree):
         group = _group_upstream(bsdf.inputs["Base Color"]) or _insert_group(tree, bsdf, group_tree)
-        group.node_tree = group_tree
+        _show(tree, group, group_tree)
         if group not in groups:
             groups.append(group)
     if source is not None:
         _remove_sources(tree)
         _feed(tree, groups, inputs, source)
+        for node in _world_lights(tree):
+            _feed(tree, [node], WORLD_LIGHT, source)
+
+
+def add_world_light(material: bpy.types.Material, source: BakedSource) -> bool:
+    """Put the light of the bent cone, over that of an open surface, into the ``Irradiance`` of all our groups in
+    ``material``; False where there is none. The renderer brings the open surface's light."""
+    groups = [group for group in groups_in(material) if "Irradiance" in group.inputs]
+    if not groups:
+        return False
+    tree = material.node_tree
+    lights = _world_lights(tree)
+    if not lights:
+        x, y = min(group.location.x for group in groups) - 260, groups[0].location.y - 560
+        light = _new_node(tree, "ShaderNodeGroup", x, y)
+        light.node_tree = bent_cone.ensure()
+        light.width = 200
+        light[_WORLD_LIGHT] = True
+        lights = [light]
+        _feed(tree, lights, WORLD_LIGHT, source)
+    for group in groups:
+        tree.links.new(lights[0].outputs["Relative Light"], group.inputs["Irradiance"])
+    return True
 
 
 def unplug(material: bpy.types.Material) -> None:
@@ -62,7 +92,7 @@ def unplug(material: bpy.types.Material) -> None:
     tree = material.node_tree
     if tree is None:
         return
-    for group in [node for node in tree.nodes if _is_our_group(node)]:
+    for group in groups_in(material):
         base_color = group.inputs.get("Base Color")
         color = group.outputs.get("Color")
         for link in list(color.links) if color else []:
@@ -78,6 +108,11 @@ def unplug(material: bpy.types.Material) -> None:
     if _NODES_WERE_OFF in material:
         material.use_nodes = False
         del material[_NODES_WERE_OFF]
+
+
+def groups_in(material: bpy.types.Material) -> list[bpy.types.Node]:
+    """Our groups in ``material``."""
+    return [node for node in material.node_tree.nodes if _is_our_group(node)] if material.node_tree else []
 
 
 def shows(material: bpy.types.Material, images: Collection[bpy.types.Image]) -> bool:
@@ -118,6 +153,28 @@ def _insert_group(tree: bpy.types.NodeTree, bsdf: bpy.types.Node, group_tree: bp
     return group
 
 
+def _show(tree: bpy.types.NodeTree, group: bpy.types.Node, group_tree: bpy.types.NodeTree) -> None:
+    """Make ``group`` a node of ``group_tree``. Sockets of the same name keep their links and values; left to itself
+    Blender matches them by the order in which they were made, which differs from group to group."""
+    if group.node_tree == group_tree:
+        return
+    values = {s.name: tuple(s.default_value) for s in group.inputs if s.type in {"RGBA", "VECTOR"}}
+    values |= {s.name: s.default_value for s in group.inputs if s.type == "VALUE"}
+    links = [(s.name, link.from_socket, link.is_muted) for s in group.inputs for link in s.links]
+    used = [(s.name, link.to_socket, link.is_muted) for s in group.outputs for link in s.links]
+    group.node_tree = None
+    group.node_tree = group_tree
+    for name, value in values.items():
+        if name in group.inputs:
+            group.inputs[name].default_value = value
+    for name, socket, muted in links:
+        if name in group.inputs:
+            tree.links.new(socket, group.inputs[name]).is_muted = muted
+    for name, socket, muted in used:
+        if name in group.outputs:
+            tree.links.new(group.outputs[name], socket).is_muted = muted
+
+
 def _replace_by_colour(tree: bpy.types.NodeTree, link: bpy.types.NodeLink, colour: Sequence[float]) -> None:
     """Remove ``link``; its end gets ``colour``. A reroute has none to pass on, so there it goes to what is behind."""
     target = link.to_socket
@@ -138,8 +195,19 @@ def _feed(tree: bpy.types.NodeTree, groups: list, inputs: dict[str, tuple[str, s
         if channel not in nodes:
             nodes[channel] = _source(tree, channel, source, x, y)
             y -= 300
+        if output not in nodes[channel]:
+            nodes[channel] |= _separated(tree, nodes[channel]["Color"], x + 160, y + 300)
         for group in groups:
             tree.links.new(nodes[channel][output], group.inputs[socket])
+
+
+def _separated(
+    tree: bpy.types.NodeTree, colour: bpy.types.NodeSocket, x: float, y: float
+) -> dict[str, bpy.types.NodeSocket]:
+    """Outputs "Red", "Green" and "Blue"."""
+    node = _new_node(tree, "ShaderNodeSeparateColor", x, y)
+    tree.links.new(colour, node.inputs[0])
+    return {socket.name: socket for socket in node.outputs}
 
 
 def _source(
@@ -199,11 +267,15 @@ def _is_ours(node: bpy.types.Node) -> bool:
 
 
 def _is_our_group(node: bpy.types.Node) -> bool:
-    return _is_ours(node) and node.bl_idname == "ShaderNodeGroup"
+    return _is_ours(node) and node.bl_idname == "ShaderNodeGroup" and _WORLD_LIGHT not in node
+
+
+def _world_lights(tree: bpy.types.NodeTree) -> list[bpy.types.Node]:
+    return [node for node in tree.nodes if _is_ours(node) and _WORLD_LIGHT in node]
 
 
 def _remove_sources(tree: bpy.types.NodeTree) -> None:
-    for node in [node for node in tree.nodes if _is_ours(node) and not _is_our_group(node)]:
+    for node in [node for node in tree.nodes if _is_ours(node) and node.bl_idname != "ShaderNodeGroup"]:
         tree.nodes.remove(node)
 
 

@@ -7,6 +7,8 @@ from collections.abc import Iterable
 
 import bpy
 
+from .field_nodes import is_field_mix, mix_sockets
+
 Groups = tuple[bpy.types.Node, ...]  # the group nodes that a socket lies within, innermost first
 
 
@@ -20,7 +22,7 @@ class UnreadableError(Exception):
 
 def origin_of(socket: bpy.types.NodeSocket, groups: Groups) -> tuple[bpy.types.NodeSocket, Groups]:
     """The output that feeds the input ``socket``, or the unlinked input whose value does: through reroutes, muted
-    nodes, and the artist's groups, into them and out."""
+    nodes, what AO fields take away, and the artist's groups, into them and out."""
     while True:
         link = next((link for link in socket.links if link.is_valid and not link.is_muted), None)
         if link is None:
@@ -33,6 +35,8 @@ def origin_of(socket: bpy.types.NodeSocket, groups: Groups) -> tuple[bpy.types.N
             socket = inside.from_socket
         elif node.bl_idname == "NodeReroute":
             socket = node.inputs[0]
+        elif is_field_mix(node):
+            socket = mix_sockets(node)[1]
         elif node.bl_idname == "NodeGroupInput" and groups:
             socket, groups = _same_socket(groups[0].inputs, output), groups[1:]
         elif node.bl_idname == "ShaderNodeGroup" and not is_our_group(node):

@@ -58,7 +58,7 @@ def unplug_objects(objects: Collection[bpy.types.Object]) -> None:
             material = obj.material_slots[index].material
             if material is None or material.library is not None:
                 continue
-            if not any(PROPERTY in other for other in _users(material) if other not in cleared):
+            if not any(PROPERTY in other for other in users_of(material) if other not in cleared):
                 unplug(material)
                 if _CREATED in material:
                     _remove_created(obj, index)
@@ -74,6 +74,11 @@ def unplug_images(images: Collection[bpy.types.Image]) -> None:
 def mesh_is_baked(mesh: bpy.types.Mesh, cleared: Collection[bpy.types.Object]) -> bool:
     """Whether an object outside ``cleared`` that uses ``mesh`` is baked."""
     return any(obj.data == mesh and PROPERTY in obj for obj in bpy.data.objects if obj not in cleared)
+
+
+def users_of(material: bpy.types.Material) -> list[bpy.types.Object]:
+    """The objects that show ``material``."""
+    return [obj for obj in bpy.data.objects if any(slot.material == material for slot in obj.material_slots)]
 
 
 def _create_material(obj: bpy.types.Object) -> None:
@@ -134,14 +139,10 @@ def _give_original_back(slot: bpy.types.MaterialSlot) -> None:
         bpy.data.materials.remove(own)
 
 
-def _users(material: bpy.types.Material) -> list[bpy.types.Object]:
-    return [obj for obj in bpy.data.objects if any(slot.material == material for slot in obj.material_slots)]
-
-
 def _used_by_others(material: bpy.types.Material, obj: bpy.types.Object) -> bool:
-    return _has_copies(material) or any(other != obj for other in _users(material))
+    return _has_copies(material) or any(other != obj for other in users_of(material))
 
 
 def _has_copies(material: bpy.types.Material) -> bool:
     """Whether objects have a copy of their own of ``material``: it is what they will get back."""
-    return any(other.get(_ORIGINAL) == material and _users(other) for other in bpy.data.materials)
+    return any(other.get(_ORIGINAL) == material and users_of(other) for other in bpy.data.materials)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from typing import Protocol
 
 import bpy
 import numpy as np
@@ -15,11 +16,17 @@ from .base_color import read_albedo
 from .mesh_reader import evaluated_mesh, read_corner_vertices, read_positions, to_world
 from .occluder_cache import occluders_of
 from .occluder_reader import read_occluders, rendered_objects
-from .settings import BakeSettings
 
 # An object further than this many of its own sizes from the middle of the scene gets a scene centred on itself: there
 # single precision, and the ray offset with it, would become coarser than a few ten-thousandths of the object.
 FAR = 300.0
+
+
+class OccluderSettings(Protocol):
+    """The settings that say who blocks light, of a bake or of a fit."""
+
+    occluders: str
+    use_ground_plane: bool
 
 
 class OccluderScenes:
@@ -33,7 +40,7 @@ class OccluderScenes:
         context: bpy.types.Context,
         objects: list[bpy.types.Object],
         selected: Collection[bpy.types.Object],
-        settings: BakeSettings,
+        settings: OccluderSettings,
     ):
         self._context = context
         self._settings = settings
@@ -42,7 +49,7 @@ class OccluderScenes:
         self._bounds: dict[bpy.types.Object, tuple[NDArray[np.float64], NDArray[np.float64]]] = {}
         heights = [self._bounds_of(obj)[0][2] for obj in objects] if settings.use_ground_plane else []
         lowest = min(heights, default=np.inf)
-        self._ground = float(lowest) if np.isfinite(lowest) else None
+        self.ground_height = float(lowest) if np.isfinite(lowest) else None
         # The last one only: objects that share it follow one another, and each may be as large as the scene.
         self._owners: frozenset[bpy.types.Object] = frozenset()
         self._scene: Occluders | None = None
@@ -50,12 +57,16 @@ class OccluderScenes:
         self._albedo: tuple[Albedo, list[str]] | None = None
         self._warnings: list[str] = []
 
+    def owners_for(self, obj: bpy.types.Object) -> frozenset[bpy.types.Object]:
+        """Who blocks the rays of ``obj``, itself always among them."""
+        others = {"SELF": set(), "SELECTED": self._selected, "VISIBLE": self._shadowing()}[self._settings.occluders]
+        return frozenset({obj, *others})
+
     def scene_for(self, obj: bpy.types.Object, warnings: list[str]) -> Occluders:
         """What blocks the rays of ``obj``, always with itself; appends to ``warnings`` what its artist should know."""
-        others = {"SELF": set(), "SELECTED": self._selected, "VISIBLE": self._shadowing()}[self._settings.occluders]
         if self._settings.occluders == "VISIBLE" and obj not in self._rendered:
             warnings.append("Disabled in renders: it was baked, and blocks no light on other objects")
-        owners = frozenset({obj, *others})
+        owners = self.owners_for(obj)
         if self._scene is None or owners != self._owners:
             self._build(owners)
         low, high = self._bounds_of(obj)
@@ -78,7 +89,7 @@ class OccluderScenes:
         self._scene = self._albedo = None  # freed before the next is built
         self._built = owners
         vertices, triangles, self._warnings = read_occluders(self._context.evaluated_depsgraph_get(), owners)
-        self._scene = occluders_of(vertices, triangles, self._ground, centre)
+        self._scene = occluders_of(vertices, triangles, self.ground_height, centre)
         # One that is centred on an object is for that object alone.
         self._owners = owners if centre is None else frozenset()
 

@@ -113,7 +113,7 @@ class MultibounceAOSettings(bpy.types.PropertyGroup):
     )
     output_directory: StringProperty(
         name="Output",
-        description="Folder for OpenEXR files. Empty: the images are packed in the .blend",
+        description="Folder for OpenEXR files and bounce curves. Empty: they are packed in the .blend",
         subtype="DIR_PATH",
         # Said since 4.5, which warns of "//" without it; 4.2 does not know the word.
         options={"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5, 0) else set(),
@@ -132,6 +132,14 @@ class MultibounceAOSettings(bpy.types.PropertyGroup):
         soft_max=0.5,
         precision=3,
         subtype="FACTOR",
+    )
+    field_resolution: IntProperty(
+        name="Resolution",
+        description="Texels along the faces of the AO field's cubemaps: 16 for most, 32 or 64 for intricate shapes",
+        default=16,
+        min=8,
+        max=64,
+        subtype="PIXEL",
     )
 
 

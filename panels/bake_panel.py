@@ -9,23 +9,13 @@ import bpy
 
 from ..operators.names import PROPERTY
 from ..operators.report import count_text
+from .sidebar import SidebarPanel
 
 # Draft shows in a blink whether the settings are right; Good is clean to a careful eye, and the default.
 SAMPLES = {"Draft": 16, "Good": 256, "Final": 1024}
 
 
-class _SidebarPanel:
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Multibounce AO"
-
-    def _column(self, layout: bpy.types.UILayout) -> bpy.types.UILayout:
-        layout.use_property_split = True
-        layout.use_property_decorate = False
-        return layout.column()
-
-
-class MULTIBOUNCE_AO_PT_bake(_SidebarPanel, bpy.types.Panel):
+class MULTIBOUNCE_AO_PT_bake(SidebarPanel, bpy.types.Panel):
     bl_label = "Multibounce AO"
 
     def draw(self, context: bpy.types.Context) -> None:
@@ -52,7 +42,7 @@ class MULTIBOUNCE_AO_PT_bake(_SidebarPanel, bpy.types.Panel):
             button.value = samples
 
 
-class MULTIBOUNCE_AO_PT_occlusion(_SidebarPanel, bpy.types.Panel):
+class MULTIBOUNCE_AO_PT_occlusion(SidebarPanel, bpy.types.Panel):
     bl_label = "Occlusion"
     bl_parent_id = "MULTIBOUNCE_AO_PT_bake"
     bl_options = {"DEFAULT_CLOSED"}
@@ -72,14 +62,15 @@ class MULTIBOUNCE_AO_PT_occlusion(_SidebarPanel, bpy.types.Panel):
         column.prop(settings, "seed")
 
 
-class MULTIBOUNCE_AO_PT_texture(_SidebarPanel, bpy.types.Panel):
+class MULTIBOUNCE_AO_PT_texture(SidebarPanel, bpy.types.Panel):
     bl_label = "Texture"
     bl_parent_id = "MULTIBOUNCE_AO_PT_bake"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
         settings = context.scene.multibounce_ao
-        column = self._column(self.layout)
+        whole = self._column(self.layout)
+        column = whole.column()
         column.active = settings.target == "TEXTURE"
         column.prop(settings, "resolution")
         column.prop(settings, "margin")
@@ -88,10 +79,11 @@ class MULTIBOUNCE_AO_PT_texture(_SidebarPanel, bpy.types.Panel):
             column.prop_search(settings, "uv_map", obj.data, "uv_layers", icon="GROUP_UVS")
         else:
             column.prop(settings, "uv_map")
-        column.prop(settings, "output_directory")
+        # Bounce curves go there too, whatever the target.
+        whole.prop(settings, "output_directory")
 
 
-class MULTIBOUNCE_AO_PT_result(_SidebarPanel, bpy.types.Panel):
+class MULTIBOUNCE_AO_PT_result(SidebarPanel, bpy.types.Panel):
     bl_label = "Last Bake"
     bl_parent_id = "MULTIBOUNCE_AO_PT_bake"
 
@@ -109,12 +101,7 @@ class MULTIBOUNCE_AO_PT_result(_SidebarPanel, bpy.types.Panel):
             ("Time", f"{record['seconds']:.2f} s"),
             ("Mean AO", f"{f0['mean']:.3f}  ({f0['min']:.2f} to {f0['max']:.2f})"),
         )
-        split = self.layout.split(factor=0.4)
-        labels, values = split.column(), split.column()
-        labels.alignment = "RIGHT"
-        for label, value in lines:
-            labels.label(text=label)
-            values.label(text=value)
+        self._table(self.layout, lines)
         for warning in record.get("warnings", ()):
             self._wrapped(context, warning)
 

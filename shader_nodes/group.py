@@ -72,6 +72,13 @@ def find_group(name: str) -> tuple[bpy.types.ShaderNodeTree | None, str]:
     return None, free_name
 
 
+def rename_group(tree: bpy.types.ShaderNodeTree, name: str) -> None:
+    """Make ``tree``, one of our groups, the group ``name``, which no other of ours is."""
+    _, free_name = find_group(name)
+    tree.name = free_name
+    tree[_GROUP_KEY] = name
+
+
 def _update_interface(tree: bpy.types.ShaderNodeTree, inputs: Sequence[Socket], outputs: Sequence[Socket]) -> None:
     """Make the interface what it should be. A socket of the right name keeps its identifier, and so its links."""
     interface = tree.interface

@@ -2,8 +2,8 @@
 """Sizes that several parts share, in metres. The wall's face is the plane y = 0, the viewer is at negative y."""
 
 NICHE_RADIUS = 1.1
-NICHE_FLANK = 0.12
-NICHE_DEPTH = 0.6
+NICHE_FLANK = 0.25
+NICHE_DEPTH = 0.85
 SILL = 0.85
 SPRING = 2.2
 RING_WIDTH = 0.36

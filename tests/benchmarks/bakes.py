@@ -28,6 +28,7 @@ def by_the_extension(
     *,
     target: str = "VERTEX",
     resolution: int = 1024,
+    bounces: str = "FITTED",
     seed: int = 0,
     threads: int | None = None,
 ) -> float:
@@ -35,7 +36,7 @@ def by_the_extension(
     scene = bpy.context.scene
     settings = scene.multibounce_ao
     settings.target, settings.samples, settings.resolution, settings.seed = target, samples, resolution, seed
-    settings.bounces, settings.use_material_nodes, settings.margin = "FITTED", False, MARGIN
+    settings.bounces, settings.use_material_nodes, settings.margin = bounces, False, MARGIN
     select(obj)
     call = bpy.ops.multibounce_ao.bake
     if threads is not None:

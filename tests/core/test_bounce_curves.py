@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 from core import multibounce
-from core.bounce_curves import BounceCurves, bin_bounces, csv_text, fit_curves
+from core.bounce_curves import LEAST_F0_EXPONENT, BounceCurves, bin_bounces, csv_text, fit_curves
 from core.multibounce import A, B, Coefficients
 from core.simulation import Simulation
+
+from .endless_strips import rms
 
 
 def points_of(coefficients, noise, seed=0, count=200_000):
@@ -54,10 +56,29 @@ def test_residuals_are_the_rms_over_points():
         (multibounce.f1, f1 + ripple, fit.f1_rms),
     ):
         assert abs(np.sqrt(np.mean((form(ao, fit) - measured) ** 2)) - residual) < 1e-12
-    lit = f1 + ripple > 0.0
-    assert abs(np.sqrt(np.mean((multibounce.tau(ao, fit) - tau - ripple)[lit] ** 2)) - fit.tau_rms) < 1e-12
+    missed = (multibounce.tau(ao, fit) - tau - ripple) * (f1 + ripple)
+    assert abs(np.sqrt(np.mean(missed**2) / np.mean((f1 + ripple) ** 2)) - fit.tau_rms) < 1e-12
     # The guard and the other bins leave a fit hardly any way to follow it.
     assert 0.008 < fit.f0_rms < 0.0101
+
+
+def test_bins_without_light_have_no_say_in_tau():
+    """Some points are sealed in: next to no light, of which the second bounce brings ten times the first."""
+    lit, count = points_of(multibounce.PUBLISHED, 0.0), 50
+    sealed = np.stack((np.zeros(count), np.full(count, 1e-6), np.full(count, 1e-5)))
+    both = Simulation(np.append(lit.alpha, np.zeros(count)), np.concatenate((lit.bounces, sealed), axis=1))
+    alone, fit = (fit_curves(bin_bounces(each)) for each in (lit, both))
+    print(f"tau rms {alone.tau_rms:.6f}, with sealed points {fit.tau_rms:.6f}")
+    assert abs(fit.tau_rms - alone.tau_rms) < 1e-3
+
+
+def test_f0_does_not_jump_where_all_is_open():
+    """Points with F0 = 1.2 alpha draw the exponent to 0, where F0 falls from 1.2 to 1 at once."""
+    alpha = np.random.default_rng(0).uniform(0.2, 0.8, 50_000)
+    fit = fit_curves(bin_bounces(Simulation(alpha, np.stack((1.2 * alpha, 0.1 * (1.0 - alpha))))))
+    free = 1.2 * alpha - multibounce.f0(alpha, Coefficients(f0_factor=0.2, f0_exponent=1e-9))
+    print(f"exponent {fit.f0_exponent:.3f}, factor {fit.f0_factor:.3f}, rms {fit.f0_rms:.4f} of {rms(free):.4f} at 0")
+    assert fit.f0_exponent == pytest.approx(LEAST_F0_EXPONENT, abs=1e-3) and fit.f0_rms < 0.01
 
 
 def test_bins_count_their_points_and_hold_their_mean():

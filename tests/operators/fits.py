@@ -47,8 +47,8 @@ def fit(samples: int = 16, **settings) -> dict:
 def fit_generator(source: bpy.types.ID, threads: int | None = None, **settings):
     """The same fit, not yet begun, of an object or image."""
     change_settings(**{"samples": 16} | settings)
-    job = operators("fit_job")
-    return job.fit_bounces(bpy.context, source, job.FitSettings.of(bpy.context.scene), threads)
+    fit_settings = operators("fit_sources").FitSettings.of(bpy.context.scene)
+    return operators("fit_job").fit_bounces(bpy.context, source, fit_settings, threads)
 
 
 def report_of(source: bpy.types.ID, **options):

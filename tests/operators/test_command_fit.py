@@ -89,6 +89,25 @@ def test_amplitude(blend):
     assert low["a"] != high["a"]
 
 
+def test_occluders(blend):
+    """A lid that is hidden in renders takes part where the .blend has it selected."""
+
+    def fitted(**settings):
+        changes = [part for item in settings.items() for part in ("--set", "{}={}".format(*item))]
+        return reported(blend, "--object", "Crate", *changes)["fit"]
+
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    lid = plate("Lid", half=0.5, location=(0, 0, 1))
+    lid.hide_render = True
+    bpy.ops.wm.save_mainfile()
+    alone, among, selected = (fitted(occluders=name) for name in ("SELF", "VISIBLE", "SELECTED"))
+    assert among == selected != alone  # the plate
+    bpy.data.objects["Lid"].select_set(True)
+    bpy.ops.wm.save_mainfile()
+    assert fitted(occluders="SELECTED") != selected
+    assert fitted(occluders="SELF", use_ground_plane="on") != alone
+
+
 def test_bake_leaves_the_height_map_alone(blend):
     assert run("bake", blend, "--quiet", "--set", "height_map=Hills", "--object", "Floor") == 0
     assert "height_map" not in bpy.data.objects["Floor"]["multibounce_ao"]
@@ -173,7 +192,7 @@ def test_help(capsys):
     assert run("fit", "--help") == 0
     output = capsys.readouterr().out
     assert all(option in output for option in ("SCENE.blend", "--object", "--set", "--save", "--report", "--quiet"))
-    assert "height_map" in output and "Exit code" in output
+    assert all(word in output for word in ("height_map", "occluders=SELF", "use_ground_plane", "Exit code"))
 
 
 def test_what_is_told(blend, capsys):

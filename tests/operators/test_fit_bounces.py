@@ -11,7 +11,7 @@ import pytest
 
 from .bakes import bake, operators, pixels, select
 from .fits import FIT, fit, relief, report_of, set_heights, trench
-from .meshes import box, plate
+from .meshes import add_mesh, box, plate
 from .refusals import error_of
 
 COEFFICIENTS = {"a", "b", "f0_factor", "f0_exponent"}
@@ -103,23 +103,66 @@ def test_large_height_map_is_scaled_down():
     assert "1024 x 256" in warning
 
 
-def test_modifiers_and_instances_count_and_the_scene_does_not():
-    """A plate becomes trenches by what its modifiers and instances make; a roof over it changes nothing."""
+def coefficients(**settings):
+    stored = fit(**settings)
+    return {name: stored[name] for name in COEFFICIENTS}
+
+
+def test_modifiers_and_instances_count():
+    """A plate becomes trenches by what its modifiers and instances make."""
     parent, wall = plate("Floor", half=2), box("Wall", low=(-1.8, -0.05, 0), high=(1.8, 0.05, 1))
     collection = bpy.data.collections.new("Walls")
     collection.objects.link(wall)
     bpy.context.scene.collection.objects.unlink(wall)
+    bpy.context.scene.collection.children.link(collection)
     array = wall.modifiers.new("Array", "ARRAY")
     array.count, array.use_relative_offset, array.use_constant_offset = 6, False, True
     array.constant_offset_displace = (0, 0.3, 0)
-    bpy.context.scene.collection.children.link(collection)
     select(wall)
-    alone = fit()
-    plate("Roof", half=20, location=(0, 0, 3))
-    select(wall)
-    assert {name: fit()[name] for name in COEFFICIENTS} == {name: alone[name] for name in COEFFICIENTS}
+    assert np.isfinite(list(coefficients(occluders="SELF").values())).all()
     select(parent)
     assert "cannot be fitted" in error_of(bpy.ops.multibounce_ao.fit_bounces)  # nothing shades a plane
+
+
+@pytest.mark.parametrize(
+    ("settings", "roof", "shaded"),
+    [
+        ({"occluders": "SELF"}, "visible", False),
+        ({"occluders": "SELECTED"}, "visible", False),
+        ({"occluders": "SELECTED"}, "selected", True),
+        ({"occluders": "VISIBLE"}, "visible", True),
+        ({"occluders": "VISIBLE"}, "hidden", False),
+        ({"occluders": "SELF", "use_ground_plane": True}, "visible", True),
+    ],
+)
+def test_occluders(settings, roof, shaded):
+    """Alone, or among a roof or a floor: what they take of the sky, and give back, is in the curves."""
+    obj, over = trench(), plate("Roof", half=20, location=(0, 0, 3))
+    select(obj)
+    alone = coefficients(occluders="SELF")
+    over.hide_render = roof == "hidden"
+    select(*([obj, over] if roof == "selected" else [obj]))
+    among = coefficients(**settings)
+    assert (among != alone) == shaded
+
+
+def test_the_wall_of_a_trench_among_the_rest_of_it():
+    """Of a square trench's opening a wall sees 1 - 1/sqrt(2) (Hottel's crossed strings). The other wall and the floor
+    send their light back: all bounces sum to 1."""
+    sides = {"Wall": ((0, 1), (0, 0)), "Floor": ((0, 0), (1, 0)), "Far Wall": ((1, 0), (1, 1))}
+    made = []
+    for name, ((x0, z0), (x1, z1)) in sides.items():
+        half = 1 if name == "Wall" else 100
+        corners = [(x0, half, z0), (x0, -half, z0), (x1, -half, z1), (x1, half, z1)]
+        made.append(add_mesh(name, corners, [(0, 1, 2, 3)], smooth=False))
+    select(made[0])
+    fit(samples=64, occluders="VISIBLE")
+    text = curves(bpy.data.texts["Wall Bounce Curves"].as_string())
+    used = text["count"] > 0
+    direct, total = (np.average(text[name][used], weights=text["count"][used]) for name in ("F0", "sum"))
+    print(f"mean F0 of the wall {direct:.5f} of {1 - 0.5**0.5:.5f}, sum of 20 bounces {total:.5f}")
+    assert direct == pytest.approx(1 - 0.5**0.5, abs=0.002)
+    assert total == pytest.approx(1, abs=0.005)
 
 
 def test_same_bits_whatever_the_threads():

@@ -8,7 +8,12 @@ import pytest
 
 from .layout import draw
 
-OPERATORS = {"multibounce_ao.bake", "multibounce_ao.clear", "multibounce_ao.add_nodes", "multibounce_ao.fit_bounces"}
+WORLD_OPERATORS = ("project_world", "add_world_light")
+FIELD_OPERATORS = ("bake_field", "apply_field")
+OPERATORS = {
+    f"multibounce_ao.{name}"
+    for name in (*WORLD_OPERATORS, *FIELD_OPERATORS, "bake", "clear", "add_nodes", "fit_bounces", "add_curve_nodes")
+}
 
 
 @pytest.fixture
@@ -69,7 +74,7 @@ def test_buttons_set_the_samples(panels):
 
 def test_what_does_not_apply_is_grey(panels):
     settings = bpy.context.scene.multibounce_ao
-    of_textures = {"resolution", "margin", "uv_map", "output_directory"}
+    of_textures = {"resolution", "margin", "uv_map"}
     settings.target, settings.max_distance = "VERTEX", 0
     shown = properties(everything(panels))
     assert {name for name, active in shown.items() if not active} == of_textures | {"falloff", "height_map_amplitude"}

@@ -10,8 +10,14 @@ OPERATORS = {
     "bake": "Bake Multibounce AO",
     "clear": "Clear Bake",
     "add_nodes": "Add Multibounce Nodes",
+    "add_curve_nodes": "Add Curve Nodes",
+    "bake_field": "Bake AO Field",
+    "apply_field": "Apply AO Field",
     "fit_bounces": "Fit Bounce Curves",
     "clear_fit": "Use Published Fit",
+    "project_world": "Project World",
+    "clear_world": "Use White World",
+    "add_world_light": "Add World Light",
 }
 
 
@@ -56,7 +62,7 @@ def test_settings_are_those_of_the_contract():
         "target": "VERTEX", "samples": 256, "max_distance": 0.0, "falloff": "NONE", "occluders": "VISIBLE",
         "use_ground_plane": False, "ignore_backfaces": False, "bounces": "BAKED", "use_material_nodes": True,
         "seed": 0, "resolution": 1024, "margin": 16, "uv_map": "", "output_directory": "", "height_map": None,
-        "height_map_amplitude": pytest.approx(0.04),
+        "height_map_amplitude": pytest.approx(0.04), "field_resolution": 16,
     }  # fmt: skip
     assert {p.identifier: getattr(p, "default", None) for p in settings()} == defaults
     choices = {p.identifier: [item.identifier for item in p.enum_items] for p in settings() if p.type == "ENUM"}
@@ -71,7 +77,7 @@ def test_settings_are_those_of_the_contract():
 def test_quantities_have_units():
     units = {p.identifier: (p.subtype, p.unit) for p in settings()}
     assert units["max_distance"] == ("DISTANCE", "LENGTH")
-    assert units["resolution"][0] == "PIXEL"
+    assert units["resolution"][0] == units["field_resolution"][0] == "PIXEL"
     assert units["margin"][0] == "PIXEL"
     assert units["output_directory"][0] == "DIR_PATH"
 

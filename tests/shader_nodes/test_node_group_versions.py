@@ -6,7 +6,11 @@ import importlib
 import bpy
 import pytest
 
-NAMES = {"multibounce_fit": "Multibounce AO Fit", "multibounce_ao": "Multibounce AO"}
+NAMES = {
+    "multibounce_fit": "Multibounce AO Fit",
+    "multibounce_ao": "Multibounce AO",
+    "multibounce_curve": "Multibounce AO Curve",
+}
 
 
 @pytest.fixture(params=NAMES)

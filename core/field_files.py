@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Ambient occlusion fields as files: OpenEXR cubemaps, and a JSON file that names and explains them.
+
+    <name>_ao_field_occlusion.exr   R, G, B, A = a, b, c, r0
+    <name>_ao_field_direction.exr   R, G, B, A = C0 x, y, z, and a'
+    <name>_ao_field_moment.exr      R, G, B    = b', c', 0: a', b', c' are a, b, c of Omega_M
+    <name>_ao_field_volume.exr      R, G, B, A = M x, y, z, and Omega; not always there
+    <name>_ao_field.json
+
+Cubemaps are n wide and 6n high with the attribute ``envmap`` = cube; OpenEXR's order of the faces and their orientation
+is that of :mod:`core.cubemap`. Their numbers are 32-bit. The volume is no
+cubemap but 16 slices of 16 x 16 below each other, its numbers 16-bit: columns are x, rows y within z, each from its
+least.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .ao_field import AOField, FieldVolume
+
+# Of the files' layout: a reader refuses what it does not know.
+VERSION = 1
+MODEL = (
+    "Omega = 1/(a r^2 + b r + c) at max(r, r0) from the centre, Upsilon = normalize(C0 - r omega); "
+    "Omega_M the same with a', b', c'; see docs/ao_fields.md"
+)
+
+
+def save_field(field: AOField, folder: str | Path, name: str) -> list[Path]:
+    """Write ``field`` into ``folder`` as files that begin with ``name``; returns their paths, the JSON file last.
+
+    All are written under other names first and then renamed, the JSON file last, so that a crash leaves no half of
+    one. A volume of an earlier field goes. Raises OSError where the folder cannot be written.
+    """
+    folder = Path(folder)
+    empty = np.zeros_like(field.b_m)
+    images = {
+        "occlusion": _tall(field.a, field.b, field.c, field.r0),
+        "direction": _tall(*np.moveaxis(field.c0, -1, 0), field.a_m),
+        "moment": _tall(field.b_m, field.c_m, empty),
+    }
+    if field.volume is not None:
+        # z, y, x: the slices below each other.
+        slices = field.volume.values.transpose(2, 1, 0, 3).astype(np.float16)
+        images["volume"] = slices.reshape(-1, *slices.shape[2:])
+    files = {key: f"{name}_ao_field_{key}.exr" for key in images}
+    unfinished: dict[Path, Path] = {}
+    try:
+        for key, pixels in images.items():
+            final = folder / files[key]
+            unfinished[final] = final.with_name(f".{final.name}.{os.getpid()}.part.exr")
+            _write(unfinished[final], pixels, is_cube=key != "volume")
+        final = folder / f"{name}_ao_field.json"
+        unfinished[final] = final.with_name(f".{final.name}.{os.getpid()}.part")
+        text = json.dumps(_described(field, files), indent=2) + "\n"
+        unfinished[final].write_text(text, encoding="utf-8")
+        for final, part in unfinished.items():
+            os.replace(part, final)
+    except RuntimeError as error:
+        raise OSError(f"cannot write the AO field {name} into {folder}: {error}") from error
+    finally:
+        for part in unfinished.values():
+            part.unlink(missing_ok=True)
+    if field.volume is None:
+        (folder / f"{name}_ao_field_volume.exr").unlink(missing_ok=True)
+    return list(unfinished)
+
+
+def load_field(path: str | Path) -> AOField:
+    """The field of the JSON file ``path``, with the very numbers that were saved.
+
+    Raises OSError where a file is missing or is no image, ValueError where it is not of this version or not whole.
+    """
+    path = Path(path)
+    try:
+        told = json.loads(path.read_text(encoding="utf-8"))
+        if told["version"] != VERSION:
+            raise ValueError(f"{path} is an AO field of version {told['version']}; this reads version {VERSION}")
+        n, files = told["resolution"], {key: path.with_name(name) for key, name in told["files"].items()}
+        a, b, c, r0 = _faces(_read(files["occlusion"], "RGBA", (6 * n, n)), n)
+        *c0, a_m = _faces(_read(files["direction"], "RGBA", (6 * n, n)), n)
+        b_m, c_m, _ = _faces(_read(files["moment"], "RGB", (6 * n, n)), n)
+        volume = None
+        if "volume" in told:
+            m = told["volume"]["resolution"]
+            slices = _read(files["volume"], "RGBA", (m * m, m)).reshape(m, m, m, 4)
+            ends = (np.array(told["volume"][end], np.float64) for end in ("low", "high"))
+            volume = FieldVolume(slices.transpose(2, 1, 0, 3).copy(), *ends, told["volume"]["p"])
+        return AOField(
+            centre=np.array(told["centre"], np.float64),
+            **{key: told[key] for key in ("radius", "r_near", "r_far")},
+            **{"a": a, "b": b, "c": c, "r0": r0, "a_m": a_m, "b_m": b_m, "c_m": c_m, "c0": np.stack(c0, axis=-1)},
+            **{"a0": told["A0"], "p": told["p"], "volume": volume},
+        )
+    except (KeyError, TypeError, json.JSONDecodeError) as error:
+        raise ValueError(f"{path} is not the JSON file of an AO field: {error!r}") from error
+
+
+def _described(field: AOField, files: dict[str, str]) -> dict:
+    """What the JSON file says."""
+    told = {
+        "version": VERSION,
+        "model": MODEL,
+        "units": "object-space metres, steradians",
+        "resolution": field.resolution,
+        "centre": field.centre.tolist(),
+        **{"radius": field.radius, "r_near": field.r_near, "r_far": field.r_far, "A0": field.a0, "p": field.p},
+        "files": files,
+    }
+    if field.volume is not None:
+        volume = field.volume
+        told["volume"] = {"resolution": len(volume.values), "low": volume.low.tolist(), "high": volume.high.tolist()}
+        told["volume"]["p"] = volume.p
+    return told
+
+
+def _tall(*maps: NDArray) -> NDArray[np.float32]:
+    """Maps (6, n, n), one a channel, as an image (6n, n, channels)."""
+    image = np.stack(maps, axis=-1).astype(np.float32)
+    return image.reshape(-1, *image.shape[2:])
+
+
+def _faces(image: NDArray[np.float64], n: int) -> NDArray[np.float64]:
+    """The channels (channels, 6, n, n) of an image (6n, n, channels)."""
+    return np.moveaxis(image.reshape(6, n, n, -1), -1, 0).copy()
+
+
+def _write(path: Path, pixels: NDArray, is_cube: bool) -> None:
+    """``pixels`` (h, w, 3 or 4), top row first, as channels R, G, B, A of their own type."""
+    import OpenEXR
+
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    if is_cube:
+        header["envmap"] = OpenEXR.ENVMAP_CUBE
+    # Single channels: core/exr.py says why.
+    channels = {
+        name: np.ascontiguousarray(each) for name, each in zip("RGBA", np.moveaxis(pixels, -1, 0), strict=False)
+    }
+    with OpenEXR.File(header, channels) as file:
+        file.write(str(path))
+
+
+def _read(path: Path, names: str, shape: tuple[int, int]) -> NDArray[np.float64]:
+    """Channels ``names`` of the file, (*shape, channels), top row first."""
+    import OpenEXR
+
+    try:
+        with OpenEXR.File(str(path), separate_channels=True) as file:
+            channels = file.channels()
+            pixels = np.stack([channels[name].pixels for name in names], axis=-1).astype(np.float64)
+    except RuntimeError as error:
+        raise OSError(f"cannot read {path}: {error}") from error
+    if pixels.shape[:2] != shape:
+        raise ValueError(f"{path} has {pixels.shape[1]} x {pixels.shape[0]} pixels, not {shape[1]} x {shape[0]}")
+    return pixels

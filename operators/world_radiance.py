@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The light of a World, all around, as spherical harmonics: of a plain colour at once, of anything else by a panorama.
+
+The panorama is rendered by Cycles in a scene of its own, from a copy of the World, and all of it is taken away again.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from math import pi
+from pathlib import Path
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.spherical_harmonics import COUNT, Y0, project_panorama
+from ..shader_nodes.cone_light import LARGEST
+from .report import BakeError
+
+# Pixels of the panorama, and rays through each: few where they agree, many where they do not, as at the edge of a sun,
+# which is less than a pixel wide.
+HEIGHT, WIDTH = 256, 512
+LEAST_SAMPLES, MOST_SAMPLES = 32, 2048
+NOISE = 0.002
+
+# What light that falls on a surface is for the Light Path nodes of a World. Outputs that are not named here give 0.
+_LIGHT_PATH = {"Is Diffuse Ray": 1.0, "Diffuse Depth": 1.0, "Ray Depth": 1.0}
+
+
+def world_coefficients(scene: bpy.types.Scene) -> NDArray[np.float64]:
+    """Coefficients (9, 3), see :mod:`core.spherical_harmonics`, of the radiance of the World of ``scene``, in its
+    present frame, in world axes and Rec. 709. Raises BakeError."""
+    world = scene.world
+    if world is None:
+        raise BakeError(
+            f"Scene '{scene.name}' has no World: add one in the World properties, with a colour, a sky or an image"
+        )
+    radiance = _plain_radiance(world)
+    if radiance is not None:
+        coefficients = np.zeros((COUNT, 3))
+        coefficients[0] = np.array(radiance) / Y0
+    else:
+        coefficients = project_panorama(render_panorama(scene))
+    if not (np.abs(coefficients) <= LARGEST).all():
+        raise BakeError(f"World '{world.name}' is infinitely bright somewhere: look for what its nodes divide by 0")
+    return coefficients
+
+
+def _plain_radiance(world: bpy.types.World) -> tuple[float, ...] | None:
+    """The radiance of a World of one colour, None where its nodes say more."""
+    tree = world.node_tree
+    if tree is None or not world.use_nodes:
+        return tuple(world.color)
+    output = tree.get_output_node("CYCLES")
+    links = output.inputs["Surface"].links if output is not None else ()
+    if not links:
+        return 0.0, 0.0, 0.0
+    background = links[0].from_node
+    if background.bl_idname != "ShaderNodeBackground" or background.mute or links[0].is_muted:
+        return None
+    colour, strength = background.inputs["Color"], background.inputs["Strength"]
+    if colour.is_linked or strength.is_linked:
+        return None
+    return tuple(strength.default_value * value for value in colour.default_value[:3])
+
+
+def render_panorama(scene: bpy.types.Scene) -> NDArray[np.float64]:
+    """Radiance (HEIGHT, WIDTH, 3) of the World of ``scene``, as :func:`core.spherical_harmonics.equirectangular` has
+    it: what falls on surfaces, not what the camera sees where the World tells the two apart."""
+    with _panorama_scene(scene) as panorama, tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "world.exr"
+        panorama.render.filepath = str(path)
+        bpy.ops.render.render(write_still=True, scene=panorama.name)
+        image = bpy.data.images.load(str(path))
+        try:
+            image.colorspace_settings.name = "Non-Color"
+            pixels = np.empty(WIDTH * HEIGHT * 4, np.float32)
+            image.pixels.foreach_get(pixels)
+        finally:
+            bpy.data.images.remove(image)
+    return pixels.reshape(HEIGHT, WIDTH, 4)[..., :3].astype(np.float64)
+
+
+@contextmanager
+def _panorama_scene(scene: bpy.types.Scene) -> Iterator[bpy.types.Scene]:
+    """A scene with nothing but the World of ``scene`` and a camera that looks all around, +x in the middle."""
+    there = {block for blocks in _made() for block in blocks}
+    try:
+        panorama = bpy.data.scenes.new("World")
+        panorama.frame_set(scene.frame_current, subframe=scene.frame_subframe)
+        panorama.world = _for_surfaces(scene.world)
+        data = bpy.data.cameras.new("World")
+        data.type = "PANO"
+        settings = data if hasattr(data, "panorama_type") else data.cycles  # Cycles' own before Blender 5.0
+        settings.panorama_type = "EQUIRECTANGULAR"
+        camera = bpy.data.objects.new("World", data)
+        camera.rotation_euler = (pi / 2, 0.0, -pi / 2)
+        panorama.collection.objects.link(camera)
+        panorama.camera = camera
+        _set_up(panorama)
+        yield panorama
+    finally:
+        bpy.data.batch_remove([block for blocks in _made() for block in blocks if block not in there])
+
+
+def _made() -> tuple:
+    """All that may be more after a panorama; "Render Result" is an image."""
+    data = bpy.data
+    return data.scenes, data.objects, data.cameras, data.worlds, data.node_groups, data.images
+
+
+def _set_up(scene: bpy.types.Scene) -> None:
+    render, cycles, image = scene.render, scene.cycles, scene.render.image_settings
+    render.engine = "CYCLES"
+    render.resolution_x, render.resolution_y, render.resolution_percentage = WIDTH, HEIGHT, 100
+    render.use_compositing = render.use_sequencer = False
+    if bpy.app.version >= (5, 0, 0):
+        image.media_type = "IMAGE"
+    image.file_format, image.color_mode, image.color_depth = "OPEN_EXR", "RGBA", "32"
+    cycles.device = "CPU"
+    cycles.samples = MOST_SAMPLES
+    cycles.use_adaptive_sampling, cycles.use_denoising = True, False
+    cycles.adaptive_min_samples, cycles.adaptive_threshold = LEAST_SAMPLES, NOISE
+    cycles.pixel_filter_type = "BOX"
+    cycles.sample_clamp_direct = 0.0
+
+
+def _for_surfaces(world: bpy.types.World) -> bpy.types.World:
+    """A copy of ``world`` that shows the camera what it sheds on surfaces, without a volume."""
+    copy = world.copy()
+    copy.cycles_visibility.camera = True
+    _answer_light_path(copy.node_tree)
+    for node in copy.node_tree.nodes:
+        if node.bl_idname == "ShaderNodeOutputWorld":
+            for link in list(node.inputs["Volume"].links):
+                copy.node_tree.links.remove(link)
+    return copy
+
+
+def _answer_light_path(tree: bpy.types.NodeTree) -> None:
+    """Put numbers for a ray from a surface in the place of Light Path nodes, also in groups, which are copied."""
+    for node in list(tree.nodes):
+        if node.bl_idname == "ShaderNodeGroup" and node.node_tree is not None:
+            node.node_tree = node.node_tree.copy()
+            _answer_light_path(node.node_tree)
+        elif node.bl_idname == "ShaderNodeLightPath":
+            for output in node.outputs:
+                targets = [link.to_socket for link in output.links]
+                if targets:
+                    value = tree.nodes.new("ShaderNodeValue")
+                    value.outputs[0].default_value = _LIGHT_PATH.get(output.name, 0.0)
+                    for target in targets:
+                        tree.links.new(value.outputs[0], target)

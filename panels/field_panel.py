@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The sub-panel of AO fields: the two buttons, in order of use, and the field of the active object."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..operators.field_record import FIELD, has_changed, has_field
+from ..operators.report import count_text
+from .sidebar import SidebarPanel
+
+
+class MULTIBOUNCE_AO_PT_field(SidebarPanel, bpy.types.Panel):
+    bl_label = "AO Field"
+    bl_parent_id = "MULTIBOUNCE_AO_PT_bake"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, obj = self.layout, context.active_object
+        self._column(layout).prop(context.scene.multibounce_ao, "field_resolution")
+        layout.operator("multibounce_ao.bake_field", icon="SPHERE")
+        layout.operator("multibounce_ao.apply_field", icon="MOD_SHRINKWRAP")
+        if has_field(obj):
+            record = obj[FIELD]
+            self._table(
+                layout,
+                (
+                    ("Field of", obj.name),
+                    ("Resolution", f"{record['resolution']} x {record['resolution']}"),
+                    ("Rays", count_text(record["rays"])),
+                    ("Time", f"{record['seconds']:.2f} s"),
+                ),
+            )
+            if has_changed(obj):
+                layout.label(text="Scaled unevenly since: bake again", icon="ERROR")

@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What all panels share: their place in the sidebar, a column of settings, a table of results."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import bpy
+
+
+class SidebarPanel:
+    """To be derived from before ``bpy.types.Panel``."""
+
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Multibounce AO"
+
+    def _column(self, layout: bpy.types.UILayout) -> bpy.types.UILayout:
+        """For settings: names to the left, values to the right."""
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        return layout.column()
+
+    def _table(self, layout: bpy.types.UILayout, lines: Iterable[tuple[str, str]]) -> None:
+        """A name and its value a line."""
+        split = layout.split(factor=0.4)
+        names, values = split.column(), split.column()
+        names.alignment = "RIGHT"
+        for name, value in lines:
+            names.label(text=name)
+            values.label(text=value)

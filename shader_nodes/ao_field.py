@@ -1,0 +1,265 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The node groups ``AO Field <object>``: what one object blocks of the sky, at any place around it, without a ray.
+
+The same steps and symbols as ``core.ao_field.AOField.occlusion`` (the notes "Ambient Occlusion Fields", 4.
+Implementation, "Run-Time"), with the maps in the picture of ``field_atlas``. The object may move, turn, be scaled
+evenly, mirrored and parented: its place comes from a Texture Coordinate node, its rotation from drivers.
+"""
+
+from __future__ import annotations
+
+import zlib
+from math import pi
+
+import bpy
+
+from ..core.ao_field import AOField
+from . import spherical_cap
+from .expression import Expression, Graph, clamp, maximum, minimum
+from .field_atlas import BANDS, BORDER, COLUMNS, ROWS
+from .functions import (
+    absolute,
+    components,
+    cosine,
+    cross,
+    dot,
+    length,
+    less_than,
+    normalised,
+    select,
+    sign,
+    sine,
+    vector,
+)
+from .group import Socket, ensure_group, find_group, rename_group
+
+NAME = "AO Field"
+VERSION = 1
+
+# Which object a group is of, its node "Place" tells: a pointer among a tree's custom properties would be miscounted
+# when EEVEE compiles it.
+_FIELD_KEY = "multibounce_ao_is_field"
+_LONGEST_NAME = 63
+
+_INPUTS = (
+    Socket(
+        "Normal",
+        "NodeSocketVector",
+        "Normal of the surface in world space, such as a Bump node gives; unconnected, the surface's own",
+        default_value=(0.0, 0.0, 0.0),
+    ),
+)
+_OUTPUTS = (
+    Socket("AO", "NodeSocketFloat", "What the object leaves of the light: 1 is open. Several objects multiply"),
+    Socket("Occlusion", "NodeSocketFloat", "What the object takes of the light, 1 - AO"),
+)
+
+
+def ensure(obj: bpy.types.Object) -> bpy.types.ShaderNodeTree:
+    """The group of ``obj``, built or brought up to date if need be, and named after it. It follows the object, whatever
+    that is called; :func:`show` gives it its field."""
+    name = _group_name(obj)
+    tree = group_of(obj)
+    if tree is None:
+        taken, _ = find_group(name)
+        owner = object_of(taken) if taken is not None else None
+        if owner is not None:  # it has the name from the time before its object was renamed
+            ensure(owner)
+    elif tree.name != name:
+        rename_group(tree, name)
+    tree = ensure_group(name, VERSION, _INPUTS, _OUTPUTS, _build)
+    tree[_FIELD_KEY] = True
+    tree.nodes["Place"].object = obj
+    _drive(tree, obj)
+    return tree
+
+
+def group_of(obj: bpy.types.Object) -> bpy.types.ShaderNodeTree | None:
+    """The local group of ``obj``, or None where it has none."""
+    for tree in bpy.data.node_groups:
+        if tree.library is None and object_of(tree) == obj:
+            return tree
+    return None
+
+
+def object_of(tree: bpy.types.NodeTree) -> bpy.types.Object | None:
+    """Whose field ``tree`` is; None where it is no field, or its object is gone."""
+    place = tree.nodes.get("Place") if _FIELD_KEY in tree else None
+    return place.object if place is not None else None
+
+
+def show(
+    tree: bpy.types.ShaderNodeTree,
+    image: bpy.types.Image,
+    numbers: dict[str, float],
+    centre: tuple[float, float, float],
+    proportions: tuple[float, float, float],
+) -> None:
+    """Give the group a field: its atlas, its numbers by the names of :func:`field_numbers`, its centre, and what the
+    object's own coordinates are multiplied with to get the field's."""
+    for band in range(BANDS):
+        tree.nodes[f"Maps {band + 1}"].image = image
+    for name, value in numbers.items():
+        tree.nodes[name].outputs[0].default_value = value
+    for name, values in (("Centre", centre), ("Proportions", proportions)):
+        for socket, value in zip(tree.nodes[name].inputs, values, strict=True):
+            socket.default_value = value
+
+
+def field_numbers(field: AOField) -> dict[str, float]:
+    """The numbers of a field that stand in nodes of their own, where an artist may change them, by their names."""
+    return {
+        "Resolution": float(field.resolution),
+        "A0": float(field.a0),
+        "p": float(field.p),
+        "r near": float(field.r_near),
+        "r far": float(field.r_far),
+    }
+
+
+def _group_name(obj: bpy.types.Object) -> str:
+    """``AO Field <object>``; a longer one is cut, and kept apart from others."""
+    name = f"{NAME} {obj.name}".encode()
+    if len(name) <= _LONGEST_NAME:
+        return name.decode()
+    digest = f"_{zlib.crc32(obj.name.encode()):08x}"
+    return name[: _LONGEST_NAME - len(digest)].decode(errors="ignore") + digest
+
+
+def _drive(tree: bpy.types.ShaderNodeTree, obj: bpy.types.Object) -> None:
+    """World rotation as a quaternion and mean scale, whose sign tells of mirroring. These drivers need no Python."""
+    tree.animation_data_clear()
+    rotation, scale = tree.nodes["Rotation"], tree.nodes["Scale"]
+    for socket, channel in (
+        *zip(rotation.inputs, ("ROT_X", "ROT_Y", "ROT_Z"), strict=True),
+        (tree.nodes["w"].outputs[0], "ROT_W"),
+        (scale.outputs[0], "SCALE_AVG"),
+    ):
+        driver = socket.driver_add("default_value").driver
+        driver.type = "AVERAGE"
+        variable = driver.variables.new()
+        variable.type = "TRANSFORMS"
+        target = variable.targets[0]
+        target.id = obj
+        target.transform_type = channel
+        target.transform_space = "WORLD_SPACE"
+        target.rotation_mode = "QUATERNION"
+
+
+def _build(tree: bpy.types.ShaderNodeTree) -> None:
+    graph = Graph(tree)
+    x, n = _place(graph)
+    abc, abc_m, c0, r0_map = _look_up(graph, *_face(graph, x))
+    with graph.frame("r; within the convex hull, r0, the field is that at the hull"):
+        r = length(x).named("r")
+        omega = (x / r).named("omega")
+        (r0, _, _) = components(r0_map, "r0", "unused", "unused")
+        r_clamp = maximum(r, r0).named("r clamp")
+    solid_angle = _radial(graph, "Omega", abc, r_clamp)
+    solid_angle_m = _radial(graph, "Omega M", abc_m, r_clamp)
+    with graph.frame("Upsilon = normalize(C0 - r omega); k = n . Upsilon"):
+        upsilon = normalised(c0 - r_clamp * omega).named("Upsilon")
+        k = dot(n, upsilon).named("k")
+    with graph.frame("a larger cap, blocked in part, keeps both Omega and |M|"):
+        half = solid_angle_m / (2 * pi)
+        moment = (half * (2 - half)).named("|M|")
+        larger = maximum(4 * pi * (1 - pi * moment / solid_angle), solid_angle).named("larger")
+        part = (solid_angle / larger).named("part")
+        at_hull = (part * _cap(graph, larger, k)).named("A at r clamp")
+    with graph.frame("within: t = (r / r0)^p, A = t A + (1 - t) A0"):
+        a0, p = graph.value("A0", 0.0), graph.value("p", 1.0)
+        inward = (minimum(r / r0, 1) ** p).named("t")
+        within = (a0 + inward * (at_hull - a0)).named("A within")
+    with graph.frame("the shadow fades from r near to r far, as a smoothstep"):
+        near, far = graph.value("r near", 1.0), graph.value("r far", 2.0)
+        u = clamp((r - near) / (far - near), 0, 1).named("u")
+        occlusion = clamp(within * (1 - u * u * (3 - 2 * u)), 0, 1).named("A")
+        ao = (1 - occlusion).named("AO")
+    graph.output("AO", ao)
+    graph.output("Occlusion", occlusion)
+    graph.arrange()
+
+
+def _place(graph: Graph) -> tuple[Expression, Expression]:
+    """x, from the field's centre, and n, both in the field's space."""
+    with graph.frame("x: the place in the object's space, from the field's centre"):
+        place = graph.node("ShaderNodeTexCoord", "")
+        place.name = "Place"
+        position = Expression(graph, place.outputs["Object"], "place")
+        x = (position * _constant(graph, "Proportions", 1.0) - _constant(graph, "Centre", 0.0)).named("x")
+    with graph.frame("n: the normal there, by the object's rotation (w, v)"):
+        normal, surface = graph.input("Normal"), graph.node("ShaderNodeNewGeometry", "")
+        own = less_than(length(normal), 1e-6) * Expression(graph, surface.outputs["Normal"], "own normal")
+        world = normalised(normal + own).named("world n")
+        v, w = _constant(graph, "Rotation", 0.0).named("Rotation"), graph.value("w", 1.0)
+        once = cross(v, world).named("v x n")
+        turned = world + 2 * (cross(v, once) - w * once)
+        n = (sign(graph.value("Scale", 1.0)) * turned).named("n")
+    return x, n
+
+
+def _face(graph: Graph, x: Expression) -> tuple[Expression, ...]:
+    """Coordinates s and t in [-1, 1] on the face of the cube that the direction of ``x`` meets, and that face's column
+    and row in the atlas."""
+    with graph.frame("the cube: which face x meets, and where (core/cubemap.py)"):
+        ax, ay, az = components(absolute(x), "|x|", "|y|", "|z|")
+        others = maximum(ay, az)
+        is_x = less_than(others, ax).named("is x")
+        is_z = (less_than(ay, az) * (1 - is_x)).named("is z")
+        axis = vector(is_x, 1 - is_x - is_z, is_z).named("axis")
+        on_cube = (x / maximum(ax, others)).named("on cube")
+        px, py, pz = components(on_cube, "x/max", "y/max", "z/max")
+        s = select(is_x, py, px).named("s")
+        t = select(is_z, py, pz).named("t on face")
+        column = dot(axis, (0.0, 1.0, 2.0)).named("column")
+        row = (1.5 + dot(axis, on_cube) / 2).named("row")
+    return s, t, column, row
+
+
+def _look_up(graph: Graph, s: Expression, t: Expression, column: Expression, row: Expression) -> list[Expression]:
+    """The colours of the four bands of the atlas."""
+    with graph.frame("the atlas: the direction of that texel (field_atlas.py)"):
+        n = graph.value("Resolution", 16.0)
+        side = (n + 2 * BORDER).named("side")
+        steps = ((n - 1) / 2).named("steps")
+        right = column + (BORDER + 0.5 + (s + 1) * steps) / side
+        up = row + (BORDER + 0.5 + (t + 1) * steps) / side
+        longitude = (right * (2 * pi / (BANDS * COLUMNS))).named("longitude")
+        colatitude = (up * (pi / ROWS)).named("colatitude")
+        ring = sine(colatitude)
+        height = (-cosine(colatitude)).named("z'")
+        # A band is a quarter of the picture's width, and so of a turn about z.
+        west, north = (ring * cosine(longitude)).named("-x'"), (ring * sine(longitude)).named("y'")
+        east, south = (-west).named("x'"), (-north).named("-y'")
+        turns = ((east, north), (north, west), (west, south), (south, east))
+    found = []
+    with graph.frame("the maps: a, b, c of Omega; of Omega M; C0; r0"):
+        for band, (first, second) in enumerate(turns):
+            node = graph.node("ShaderNodeTexEnvironment", "")
+            node.name = f"Maps {band + 1}"
+            graph.link(vector(first, second, height), node.inputs["Vector"])
+            found.append(Expression(graph, node.outputs["Color"], f"maps {band + 1}"))
+    return found
+
+
+def _radial(graph: Graph, name: str, coefficients: Expression, r: Expression) -> Expression:
+    with graph.frame(f"{name} = 1 / (a r^2 + b r + c)"):
+        a, b, c = components(coefficients, "a", "b", "c")
+        return (1 / ((a * r + b) * r + c)).named(name)
+
+
+def _cap(graph: Graph, solid_angle: Expression, k: Expression) -> Expression:
+    node = graph.node("ShaderNodeGroup", "")
+    node.node_tree = spherical_cap.ensure()
+    graph.link(solid_angle, node.inputs["Solid Angle"])
+    graph.link(k, node.inputs["Cosine"])
+    return Expression(graph, node.outputs["Occlusion"], "cap")
+
+
+def _constant(graph: Graph, name: str, value: float) -> Expression:
+    """A vector in a node of its own."""
+    node = graph.node("ShaderNodeCombineXYZ", name)
+    node.name = name
+    for socket in node.inputs:
+        socket.default_value = value
+    return Expression(graph, node.outputs[0], name)
