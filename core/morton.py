@@ -13,7 +13,7 @@ def morton_order(points: NDArray) -> NDArray[np.intp]:
     """Indices (n,) that sort ``points`` (n, 3), n < 2^32, along a Morton (Z-order) curve (Morton 1966)."""
     if len(points) == 0:
         return np.empty(0, np.intp)
-    axes = np.ascontiguousarray(points.T)
+    axes = np.ascontiguousarray(points.T, np.float64)
     low = axes.min(axis=1)
     scale = (2**BITS - 1) / max(float((axes.max(axis=1) - low).max()), 1e-300)
     spread = _spread_bits()

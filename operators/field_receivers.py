@@ -132,7 +132,7 @@ def _remove_created(material: bpy.types.Material) -> None:
         if is_slot:
             # By the operator: ``materials.pop`` shortens the mesh's list and leaves the object's slot standing.
             obj.active_material_index = index
-            with bpy.context.temp_override(object=obj):
+            with bpy.context.temp_override(object=obj, active_object=obj):
                 bpy.ops.object.material_slot_remove()
         else:
             obj.material_slots[index].material = None

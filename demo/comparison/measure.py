@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bakes a subject, renders it by every model and by path tracing, and takes the differences."""
 
+import importlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +11,6 @@ import numpy as np
 import renders
 
 from .models import MODELS, Shaders
-from .openness import scene_openness
 from .subjects import Albedo, Subject
 
 BOUNCES = 64
@@ -80,7 +80,6 @@ def compare(
 ) -> Iterator[Comparison]:
     """The subject in grey, then in its own colours: `rays` from each point, `samples` a pixel of the path tracing."""
     to_vertices, to_textures = subject.build()
-    objects = to_vertices + to_textures
     albedo = Albedo()
     renders.set_up()
     scene = bpy.context.scene
@@ -99,7 +98,7 @@ def compare(
             bpy.ops.multibounce_ao.bake()
 
     bake("BAKED")
-    openness = scene_openness(package, objects)
+    openness = importlib.import_module(f"{package}.operators.openness").baked_openness(to_vertices + to_textures)
     shaders = None
     for own_colours in (False, True):
         albedo.show(own_colours)

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import bpy
 
-from .curve_group import curve_group
 from .subjects import Albedo
 
 
@@ -91,7 +90,7 @@ class Shaders:
         bounces, cone = self._source(material, "Multibounce AO"), self._source(material, "Bent Cone")
         radiosity = self._source(material, "Multibounce Radiosity")
         baked = group(self._group("multibounce_ao"), Bounces=bounces["Color"], Tail=bounces["Alpha"])
-        curve = group(curve_group(self._package), k_A=baked.outputs["AO"])
+        curve = group(self._group("multibounce_curve"), AO=baked.outputs["AO"])
         curve.inputs["Openness"].default_value = self._openness
         shaded = {
             "Published": group(self._group("multibounce_fit"), AO=cone["Alpha"]),

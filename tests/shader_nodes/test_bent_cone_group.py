@@ -217,7 +217,8 @@ def test_any_place_and_engine(modules, world, tmp_path, engine):
     light = sky_light(world, np.broadcast_to(bent, normals.shape), np.full(len(normals), alpha), normals)
     error = np.abs(render_plates(plates, connect, tmp_path, engine) - light.irradiance[:, 0])
     print(f"{engine} against core.bent_cone: largest {error.max():.1e}")
-    assert error.max() < (1e-4 if engine == "CYCLES" else 0.02)
+    # Places and directions turn in float32: .00012 is the most in Blender 5.2.
+    assert error.max() < (2e-4 if engine == "CYCLES" else 0.02)
 
 
 @pytest.fixture(params=["bent_cone", "cone_light"])
