@@ -30,6 +30,14 @@ def eevee(run_in_fresh_blender):
         pytest.skip("this machine has no OpenGL that Blender can draw with headless")
 
 
+@pytest.fixture(params=("CYCLES", "EEVEE"))
+def engine(request):
+    """Each render engine in turn, EEVEE where it can draw."""
+    if request.param == "EEVEE":
+        request.getfixturevalue("eevee")
+    return request.param
+
+
 TRY_TO_DRAW = """
 import bpy
 bpy.ops.wm.read_homefile(use_factory_startup=True)

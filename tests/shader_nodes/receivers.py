@@ -11,8 +11,6 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-ENGINES = ("CYCLES", "EEVEE")
-
 
 @dataclass(frozen=True)
 class Plates:

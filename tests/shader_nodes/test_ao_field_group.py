@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from .fields import random_field, smooth_field
-from .receivers import ENGINES, Plates, render_plates
+from .receivers import Plates, render_plates
 
 
 def centred(field):
@@ -113,12 +113,9 @@ PLACED = {
 }
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("place", PLACED.values(), ids=PLACED)
-def test_follows_its_object(modules, prop, tmp_path, place, engine, request):
+def test_follows_its_object(modules, prop, tmp_path, place, engine):
     """Without another bake."""
-    if engine == "EEVEE":
-        request.getfixturevalue("eevee")
     rng = np.random.default_rng(5)
     field = smooth_field(rng, 16)
     group = group_with(modules, prop, field)

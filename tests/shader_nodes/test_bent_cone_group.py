@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from .grid_render import render_grid
-from .receivers import ENGINES, Plates, render_plates
+from .receivers import Plates, render_plates
 
 SIZE = (24, 25)
 
@@ -199,7 +199,6 @@ def test_the_chain_keeps_multibounce_ao_as_it_is_under_a_white_world(modules, ex
     np.testing.assert_allclose(color(True), color(False), rtol=1e-3)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 def test_any_place_and_engine(modules, world, tmp_path, engine):
     """Plates of any tilt, with one cone for all and their own normals."""
     from core.bent_cone import sky_light
