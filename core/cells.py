@@ -17,8 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .faces import BACK_OF, Faces
 from .key_table import KeyTable
-from .rays import Occluders
 from .workers import Workers, slices
 
 # Longest edge of a triangle that is a cell of its own, in sides of a cell.
@@ -30,9 +30,9 @@ OWN_CELL = np.int64(1 << (3 * AXIS_BITS + FACING_BITS + LEVEL_BITS))
 OWN_GRID = 2 * OWN_CELL
 # 2^62 times the golden ratio's fraction, odd: it spreads the numbers of triangles over the keys.
 SPREAD = np.int64(0x278DDE6E5FD29E3D)
-BACK_OF = np.int8(26)  # facing of a face's back and front together
-LEVEL_SHIFT = 3 * AXIS_BITS + FACING_BITS
-SIDES_PER_PART = 2**16
+FACING_SHIFT = 3 * AXIS_BITS
+LEVEL_SHIFT = FACING_SHIFT + FACING_BITS
+FACES_PER_PART = 2**15
 
 NONE, IN_GRID = -1, -2  # in place of a cell or its key
 
@@ -46,14 +46,14 @@ class Grid:
     reach: float
     side: float
 
-    def keys(self, positions: NDArray, facing: NDArray[np.integer]) -> NDArray[np.int64]:
-        """Key (k,) of the cells at ``positions`` (k, 3) that have the ``facing`` (k,)."""
+    def keys(self, positions: NDArray) -> NDArray[np.int64]:
+        """Key (k,) of the cells at ``positions`` (k, 3), the bits of their facing left 0."""
         # Off the origin by parts of a cell that no wall of a scene made to measure lies at.
         axes = [positions[:, axis] - (self.centre[axis] - shift * self.side) for axis, shift in enumerate(_SHIFTS)]
         away = np.maximum(np.maximum(np.abs(axes[0]), np.abs(axes[1])), np.abs(axes[2]))
         level = np.clip(np.frexp(away / self.reach)[1], 0, 2**LEVEL_BITS - 1)
         per_side = np.ldexp(1.0 / self.side, -level)
-        key = (level.astype(np.int64) << FACING_BITS) | facing
+        key = level.astype(np.int64) << FACING_BITS
         for axis in axes:
             key <<= AXIS_BITS
             key |= np.floor(axis * per_side).astype(np.int64) & (2**AXIS_BITS - 1)
@@ -61,69 +61,55 @@ class Grid:
 
     def keys_on(self, side: NDArray[np.integer], positions: NDArray) -> NDArray[np.int64]:
         """Key (k,) of the cells at ``positions`` (k, 3) that no triangle shares with another: these are hashed."""
-        return OWN_GRID | ((self.keys(positions, np.int64(0)) + side * SPREAD) & (OWN_GRID - 1))
+        return OWN_GRID | ((self.keys(positions) + side * SPREAD) & (OWN_GRID - 1))
 
 
 _SHIFTS = (0.377, 0.618, 0.231)
 
 
-def facing_of(normals: NDArray) -> NDArray[np.int8]:
-    """The nearest (k,) of 26 directions, 0 to 26 without 13, to ``normals`` (k, 3) of any length: those to the
-    neighbours of a cube among 27."""
-    x, y, z = (np.ascontiguousarray(axis) for axis in normals.T)
-    largest = np.maximum(np.maximum(np.abs(x), np.abs(y)), np.maximum(np.abs(z), np.finfo(x.dtype).tiny))
-    steps = [np.rint(axis / largest).astype(np.int8) for axis in (x, y, z)]
-    return (9 * steps[0] + 3 * steps[1] + steps[2] + 13).astype(np.int8)
-
-
 class CellKeys:
-    """Keys of hits on ``occluders``: those that are equal lie in one cell of the ``grid``."""
+    """Keys of hits on ``faces``: those that are equal lie in one cell of the ``grid``."""
 
-    def __init__(self, occluders: Occluders, grid: Grid):
-        self._triangles, self._vertices, self._grid = occluders.triangles, occluders.vertices, grid
+    def __init__(self, faces: Faces, grid: Grid):
+        self._faces, self._grid = faces, grid
 
     def of_hits(self, side: NDArray[np.integer], positions: NDArray) -> NDArray[np.int64]:
         """Key (k,) of each hit on ``side`` (k,) of a triangle (:func:`side_of`) at ``positions`` (k, 3)."""
-        sides, inverse = np.unique(side, return_inverse=True)
-        key = self.of_sides(sides)[inverse.reshape(-1)]
+        key = np.where(side & 1, *reversed(self.of_faces(side >> 1)))
         large = np.flatnonzero(key == IN_GRID)
         key[large] = self._grid.keys_on(side[large], positions[large])
         return key
 
-    def of_sides(self, side: NDArray[np.integer]) -> NDArray[np.int64]:
-        """The key (k,) that all hits on a side of a triangle (:func:`side_of`) have; IN_GRID where it depends on their
-        position."""
-        triangle, behind = side >> 1, (side & 1).astype(bool)
-        is_floor = triangle == len(self._triangles)
-        if is_floor.all():
-            return np.full(len(side), IN_GRID, np.int64)
-        corners = self._triangles.take(np.where(is_floor, 0, triangle), axis=0)
-        a, b, c = (self._vertices.take(corner, axis=0) for corner in corners.T)
-        facing = facing_of(np.cross(b - a, c - a))
-        key = self._grid.keys((a + b + c) / np.float32(3.0), np.where(behind, BACK_OF - facing, facing))
-        longest = np.sqrt(np.max([np.square(p - q).sum(axis=1) for p, q in ((a, b), (b, c), (c, a))], axis=0))
-        cells_long = np.ldexp(longest / self._grid.side, -(key >> LEVEL_SHIFT))
-        key = np.where(cells_long > TINY, OWN_CELL | side, key)
-        key[(cells_long > LARGE) | is_floor] = IN_GRID
-        return key
+    def of_faces(self, face: NDArray[np.integer]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """The keys (k,) that all hits on the fronts of the triangles ``face`` (k,) have, and those on their backs;
+        IN_GRID where it depends on their position."""
+        place = self._grid.keys(self._faces.middle.take(face, axis=0))
+        cells_long = np.ldexp(self._faces.longest.take(face) / self._grid.side, -(place >> LEVEL_SHIFT))
+        is_own, is_large, facing = cells_long > TINY, cells_long > LARGE, self._faces.facing.take(face)
+
+        def keys(behind: int, facing: NDArray[np.int8]) -> NDArray[np.int64]:
+            key = place | (facing.astype(np.int64) << FACING_SHIFT)
+            np.copyto(key, OWN_CELL | (2 * face + behind), where=is_own)
+            key[is_large] = IN_GRID
+            return key
+
+        return keys(0, facing), keys(1, BACK_OF - facing)
 
 
 class Cells:
-    """The cells of ``keys`` (n,), all different, to be found by hits on ``occluders``. Memory: 8 bytes a triangle."""
+    """The cells of ``keys`` (n,), all different, to be found by hits on ``faces``. Memory: 8 bytes a triangle."""
 
-    def __init__(self, occluders: Occluders, grid: Grid, keys: NDArray[np.int64], workers: Workers):
-        self._keys, self._table, self._grid = CellKeys(occluders, grid), KeyTable(keys), grid
-        self._count = len(keys)
-        sides = 2 * (len(occluders.triangles) + 1)
-        self._cell = np.empty(sides, np.int32)
+    def __init__(self, faces: Faces, grid: Grid, keys: NDArray[np.int64], workers: Workers):
+        self._table, self._grid, self._count = KeyTable(keys), grid, len(keys)
+        cell = np.empty((len(faces), 2), np.int32)
+        of_faces = CellKeys(faces, grid).of_faces
 
         def fill(part: slice) -> None:
-            key = self._keys.of_sides(np.arange(part.start, part.stop))
-            cell = self._table.find(key)
-            cell[key == IN_GRID] = IN_GRID
-            self._cell[part] = cell
+            for behind, key in enumerate(of_faces(np.arange(part.start, part.stop))):
+                cell[part, behind] = np.where(key == IN_GRID, np.int32(IN_GRID), self._table.find(key))
 
-        workers.map(fill, slices(sides, SIDES_PER_PART))
+        workers.map(fill, slices(len(faces), FACES_PER_PART))
+        self._cell = cell.reshape(-1)
 
     def __len__(self) -> int:
         return self._count

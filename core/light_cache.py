@@ -20,6 +20,7 @@ from .albedo import Albedo
 from .bounces import Links
 from .cell_rays import CellRays, FoundLinks, Met, Pieces, seen_from
 from .cells import CellKeys, Cells, Grid, find_in
+from .faces import Faces
 from .multibounce import TAIL_ALBEDO
 from .rays import Obscurance, Occluders
 from .sample_points import SurfacePoints
@@ -89,35 +90,36 @@ def build_light_cache(
     extent  as for :func:`core.visibility.trace_visibility`
     albedo  base colours of the occluders' triangles: the cache is then of red, green and blue light
 
-    Memory does not follow the points or rays: about 3 kB for each of at most MOST_CELLS cells while it is built, and 24
-    bytes a triangle. Closing the generator stops after the blocks in flight.
+    Memory does not follow the points or rays: while it is built, about 3 kB for each of at most MOST_CELLS cells and 41
+    bytes a triangle, of which 24 stay. Closing the generator stops after the blocks in flight.
     """
     obscurance = obscurance or Obscurance()
     wanted = int(np.clip(rays // RAYS_PER_CELL, FEWEST_CELLS, MOST_CELLS))
     centre, reach = _box(occluders, probes)
     with Workers(threads) as workers:
+        faces = Faces.of(occluders, workers)
         trace = CellRays(occluders, extent, obscurance, seed, workers)
         met = yield from mapped(seen_from(trace, probes, wanted), lambda done: 0.3 * done)
         near = float(np.quantile(met.distance, NEAR_SHARE)) if len(met) else 0.0
 
-        grid = _grid(occluders, centre, reach, met, wanted)
+        grid = _grid(faces, centre, reach, met, wanted)
         near, large_grid = min(near, NEAR * grid.side), replace(grid, side=LARGE_CELL * grid.side)
-        pieces = Pieces.of(met, CellKeys(occluders, grid).of_hits(met.side, met.position), first=0)
-        cells = [Cells(occluders, grid, pieces.key, workers)]
+        pieces = Pieces.of(met, CellKeys(faces, grid).of_hits(met.side, met.position), first=0)
+        cells = [Cells(faces, grid, pieces.key, workers)]
         links, met = yield from mapped(trace.linked(pieces, cells), lambda done: 0.3 + 0.4 * done)
 
         # What only cells see; what these see beyond is left out.
-        grid = _grid(occluders, centre, reach, met, wanted // 2)
-        further = Pieces.of(met, CellKeys(occluders, grid).of_hits(met.side, met.position), first=len(pieces.key))
-        cells.append(Cells(occluders, grid, further.key, workers))
+        grid = _grid(faces, centre, reach, met, wanted // 2)
+        further = Pieces.of(met, CellKeys(faces, grid).of_hits(met.side, met.position), first=len(pieces.key))
+        cells.append(Cells(faces, grid, further.key, workers))
         links.target.reshape(-1)[met.ray] = find_in(cells, met.side, met.position)
         further_links, _ = yield from mapped(trace.linked(further, cells), lambda done: 0.7 + 0.3 * done)
 
         both = pieces, further
         colours = None if albedo is None else np.concatenate([_colours(each, albedo) for each in both])
         light = _light(links.joined(further_links), colours)
-        key, means = _means(CellKeys(occluders, large_grid), both, light)
-        cells.append(Cells(occluders, large_grid, key, workers))
+        key, means = _means(CellKeys(faces, large_grid), both, light)
+        cells.append(Cells(faces, large_grid, key, workers))
     overall = light.mean(axis=1, keepdims=True) if light.size else np.zeros((3, 1))
     light = np.rint(np.concatenate((light, means, overall), axis=1) / STEP) * STEP
     return LightCache(cells, light, near, albedo)
@@ -130,7 +132,7 @@ def _box(occluders: Occluders, probes: SurfacePoints) -> tuple[NDArray[np.float6
     return 0.5 * (low + high), max(0.5 * float((high - low).max()), 1e-6)
 
 
-def _grid(occluders: Occluders, centre: NDArray, reach: float, met: Met, wanted: int) -> Grid:
+def _grid(faces: Faces, centre: NDArray, reach: float, met: Met, wanted: int) -> Grid:
     """The finest grid that sorts the hits ``met`` into no more cells than are about ``wanted``."""
     # So many hits, chosen evenly, meet nearly all cells if these are seen alike, and most of them if not.
     some = met[:: max(1, len(met) // (HITS_PER_CELL * wanted))]
@@ -138,7 +140,7 @@ def _grid(occluders: Occluders, centre: NDArray, reach: float, met: Met, wanted:
     finest, coarsest = np.log2(reach) - 12.0, np.log2(reach)
     for _ in range(8):
         middle = 0.5 * (finest + coarsest)
-        keys = CellKeys(occluders, Grid(centre, reach, 2.0**middle)).of_hits(some.side, some.position)
+        keys = CellKeys(faces, Grid(centre, reach, 2.0**middle)).of_hits(some.side, some.position)
         if len(np.unique(keys)) > few:
             finest = middle
         else:

@@ -5,7 +5,8 @@ import tracemalloc
 
 import numpy as np
 
-from core.cells import BACK_OF, CellKeys, Cells, Grid, facing_of, side_of
+from core.cells import CellKeys, Cells, Grid, side_of
+from core.faces import BACK_OF, Faces, facing_of
 from core.light_cache import FEWEST_CELLS, build_light_cache
 from core.rays import Occluders
 from core.sample_points import SurfacePoints
@@ -17,12 +18,17 @@ from .tracing import finish
 GRID = Grid(np.zeros(3), 2.0, 0.1)
 
 
+def faces_of(occluders):
+    with Workers(2) as workers:
+        return Faces.of(occluders, workers)
+
+
 def keys_of(mesh, triangle, positions, behind=False, grid=GRID):
     """Keys of hits at ``positions``, which are in the units of the scene: the mesh is 2 wide about the origin."""
     occluders = Occluders(*mesh, centre=(0, 0, 0))
     assert occluders.scale == 1.0
     side = side_of(np.full(len(positions), triangle), np.full(len(positions), behind))
-    return CellKeys(occluders, grid).of_hits(side, np.asarray(positions, np.float32))
+    return CellKeys(faces_of(occluders), grid).of_hits(side, np.asarray(positions, np.float32))
 
 
 def test_a_large_triangle_is_cut_into_squares():
@@ -48,8 +54,7 @@ def test_sides_and_layers_share_no_cell():
 def test_tiny_triangles_share_one_with_neighbours_that_face_the_same_way():
     mesh = bumpy(201, height=0.0)  # nearly flat, triangles of a tenth of a cell
     occluders = Occluders(mesh[0] * (1.0, 1.0, 0.001), mesh[1], centre=(0, 0, 0))
-    count = len(mesh[1])
-    front, back = (CellKeys(occluders, GRID).of_sides(2 * np.arange(count) + behind) for behind in (0, 1))
+    front, back = CellKeys(faces_of(occluders), GRID).of_faces(np.arange(len(mesh[1])))
     assert (front >= 0).all() and not set(front) & set(back)
     assert 20**2 <= len(np.unique(front)) <= 22**2
 
@@ -68,12 +73,14 @@ def test_cells_are_found_again_and_others_are_not():
     random = np.random.default_rng(1)
     side = random.integers(0, 2 * (len(mesh[1]) + 1), 5000)
     positions = random.uniform(-1, 1, (5000, 3)).astype(np.float32)
-    keys = np.unique(CellKeys(occluders, GRID).of_hits(side, positions))
+    faces = faces_of(occluders)
+    of_hits = CellKeys(faces, GRID).of_hits(side, positions)
+    keys = np.unique(of_hits)
     with Workers(2) as workers:
-        every, half = (Cells(occluders, GRID, some, workers) for some in (keys, keys[::2]))
-    np.testing.assert_array_equal(keys[every.find(side, positions)], CellKeys(occluders, GRID).of_hits(side, positions))
+        every, half = (Cells(faces, GRID, some, workers) for some in (keys, keys[::2]))
+    np.testing.assert_array_equal(keys[every.find(side, positions)], of_hits)
     found = half.find(side, positions)
-    is_kept = np.isin(CellKeys(occluders, GRID).of_hits(side, positions), keys[::2])
+    is_kept = np.isin(of_hits, keys[::2])
     np.testing.assert_array_equal(found >= 0, is_kept)
 
 
