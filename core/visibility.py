@@ -87,6 +87,7 @@ def trace_visibility(
     window_size = max(block_size, PLACES_PER_WINDOW // places // block_size * block_size)
     buffers = threading.local()
     ray = np.arange(places * rays_per_place, dtype=np.uint32)
+    cosine = np.ascontiguousarray(weights[:, :, 0])
     sky, fields = weights.shape[2], 0 if cache is None else len(cache.light)
     result = Visibility(
         np.empty(len(points), np.float32),
@@ -121,7 +122,6 @@ def trace_visibility(
                 np.matmul(turned[:, row : row + rows], to_rays, out=by_place[:, row : row + rows])
             visible = buffers.visible[: origins.size // 3]
             rays = origins.reshape(-1, 3), directions.reshape(-1, 3)
-            total = sums[part].swapaxes(0, 1)
             if cache is None:
                 occluders.visibility(*rays, obscurance, out=visible)
             else:
@@ -129,9 +129,11 @@ def trace_visibility(
                 light = buffers.light[:, : visible.size]
                 gather(occluders, cache, obscurance, *rays, names, seed, visible, light, extent=extent)
                 for field, values in enumerate(light):
-                    by_place = values.reshape(count, places, -1).swapaxes(0, 1)
-                    np.matmul(by_place, weights[:, :, :1], out=total[:, :, sky + field : sky + field + 1])
-            np.matmul(visible.reshape(count, places, -1).swapaxes(0, 1), weights, out=total[:, :, :sky])
+                    # Not as a product with a vector: for that OpenBLAS wakes its threads at any size.
+                    of_rays = values.reshape(count, places, -1)
+                    np.einsum("cpr,pr->cp", of_rays, cosine, out=sums[part, :, sky + field])
+            by_place = visible.reshape(count, places, -1).swapaxes(0, 1)
+            np.matmul(by_place, weights, out=sums[part, :, :sky].swapaxes(0, 1))
             return count
 
         def sum_up(part: slice) -> int:
