@@ -53,7 +53,7 @@ class RayClock:
 
     def __enter__(self) -> RayClock:
         occluders = importlib.import_module(f"{PACKAGE}.core.rays").Occluders
-        job = importlib.import_module(f"{PACKAGE}.operators.bake_job")
+        tracer = importlib.import_module(f"{PACKAGE}.operators.tracer")
         lock = threading.Lock()
         started: list[float] = []
 
@@ -69,14 +69,14 @@ class RayClock:
                     self.blocks.append((scene, origins.copy(), directions.copy()))
             return result
 
-        def trace_visibility(*args, _whole=job.trace_visibility, **kwargs):
+        def trace_visibility(*args, _whole=tracer.trace_visibility, **kwargs):
             started.clear()
             result = yield from _whole(*args, **kwargs)
             self.seconds += time.perf_counter() - min(started)
             return result
 
         self._patches = ExitStack()
-        for owner, wrapper in ((occluders, origins), (occluders, visibility), (job, trace_visibility)):
+        for owner, wrapper in ((occluders, origins), (occluders, visibility), (tracer, trace_visibility)):
             self._patches.enter_context(patch.object(owner, wrapper.__name__, wrapper))
         return self
 
