@@ -22,8 +22,9 @@ compare: $(STAMP)   ## every model of the bounces beside path tracing, into out/
 demo-field: $(STAMP)   ## AO fields of moving props, in EEVEE and Cycles beside ray-traced AO, into out/demo-field/
 	$(VENV)/bin/python demo/field_demo.py
 
+# A process a core, each with a Blender of its own; four at most, since bakes take all cores themselves.
 test: $(STAMP)   ## run the tests in the bpy module; ARGS go to pytest
-	$(VENV)/bin/python -m pytest $(ARGS)
+	$(VENV)/bin/python -m pytest --numprocesses auto --maxprocesses 4 --dist worksteal $(ARGS)
 
 test-blender: $(STAMP)   ## the same in a real Blender, on the built zip; BLENDER, else the PATH's, else fetched
 	tools/test_in_blender.sh $(VENV) $(ARGS)

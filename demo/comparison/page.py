@@ -64,10 +64,10 @@ in grey. It costs the freedom to change a base colour after the bake.
 """
 
 CURVES_PART = """\
-## Curves of AO on fourteen surfaces
+## Curves of AO on fifteen surfaces
 
-rms error of E/E0 against 40 simulated bounces, over eight height maps and six meshes, all weighing alike
-(`make bench ARGS=curves` has each of them). What is fitted is fitted to the other thirteen.
+rms error of E/E0 against 40 simulated bounces, over eight height maps and seven meshes, all weighing alike
+(`make bench ARGS=curves` has each of them). What is fitted is fitted to the other fourteen.
 
 {table}
 

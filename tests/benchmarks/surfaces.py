@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Surfaces to simulate bounces on: height maps that tile, and meshes, made by formulas.
+"""Surfaces to simulate bounces on: height maps that tile, and meshes, made by formulas; and Blender's monkey.
 
 Each function gives a :class:`core.height_map.HeightMap` of ``side`` pixels a side, or a flat-shaded
 :class:`core.surface.Surface` whose fronts are seen.
@@ -205,5 +205,18 @@ def shelf() -> Surface:
     return _flat(_joined(*boards))
 
 
+def suzanne() -> Surface:
+    """Blender's monkey."""
+    import bmesh
+
+    mesh = bmesh.new()
+    bmesh.ops.create_monkey(mesh)
+    bmesh.ops.triangulate(mesh, faces=mesh.faces)
+    vertices = np.array([vertex.co for vertex in mesh.verts], np.float64)
+    triangles = np.array([[vertex.index for vertex in face.verts] for face in mesh.faces], np.int32)
+    mesh.free()
+    return _flat((vertices, triangles))
+
+
 HEIGHT_MAPS = (stone_wall, brick_wall, gravel, cloth, terrain, plaster, pits, trenches)
-MESHES = (room, open_court, spheres_on_floor, coral, blocks, shelf)
+MESHES = (room, open_court, spheres_on_floor, coral, blocks, shelf, suzanne)
