@@ -163,6 +163,19 @@ def test_scale_and_place_do_not_matter():
     assert difference < 0.003
 
 
+def test_rounding_of_coordinates_does_not_matter():
+    """A cube that stands elsewhere, whose coordinates come back through its transform, is baked by the same rays: few,
+    so that others would show."""
+    vertices, triangles = SHAPES["cube"]()
+    options = {"resolution": 8, "samples": 16}
+    field = baked((vertices, triangles), **options)
+    for seed in range(4):
+        rounded = vertices + 1e-16 * np.random.default_rng(seed).integers(-1, 2, vertices.shape)
+        found = baked((rounded, triangles), **options)
+        for key in ("a", "b", "c", "r0", "a_m", "b_m", "c_m"):
+            np.testing.assert_allclose(getattr(found, key), getattr(field, key), rtol=1e-6, err_msg=key)
+
+
 def test_a_sheet_has_a_field():
     """A square of no thickness. Above its middle, facing it: the form factor of a square, by its four corners."""
     field = baked(plate())
