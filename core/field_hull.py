@@ -60,7 +60,8 @@ class Hull:
         volume = np.abs(np.linalg.det(corners))
         centre = (volume[:, None] * corners.sum(axis=1) / 4.0).sum(axis=0) / volume.sum()
         offset = -(hull.equations[:, 3] + hull.equations[:, :3] @ centre)
-        planes = np.unique(np.round(hull.equations[:, :3] / offset[:, None], 12), axis=0)
+        # What rounding of the coordinates leaves is taken off, the sign of a zero too: on it the rays' tangents turn.
+        planes = np.unique(np.round(hull.equations[:, :3] / offset[:, None], 12) + 0.0, axis=0)
         facets = (corners - centre) * size
         radius = float(np.linalg.norm(facets, axis=2).max())
         return cls(middle + size * centre, radius, planes / size, facets)

@@ -47,19 +47,16 @@ def run() -> None:
     with_eevee = field_renders.has_opengl()
     if not with_eevee:
         say("no OpenGL here that Blender can draw with headless: EEVEE is left out")
-    differences = {}
-    rows = []
-    for frame in field_props.FRAMES:
-        say(f"rendering frame {frame}")
-        bpy.context.scene.frame_set(frame)
-        pictures = field_renders.render_all(with_eevee)
-        rows.append(pictures)
-        differences[frame] = {
-            name: field_renders.difference(picture, pictures["Ray-traced"])
-            for name, picture in pictures.items()
+    pictures = field_renders.render_all(field_props.FRAMES, with_eevee, say)
+    differences = {
+        frame: {
+            name: field_renders.difference(picture, found["Ray-traced"])
+            for name, picture in found.items()
             if name != "Ray-traced"
         }
-    field_renders.save_sheet(rows, differences, OUT / "field.png")
+        for frame, found in pictures.items()
+    }
+    field_renders.save_sheet(list(pictures.values()), differences, OUT / "field.png")
     (OUT / "differences.json").write_text(json.dumps(differences, indent=2))
     print("Linear RGB against ray-traced AO, rms over the picture:")
     for frame, found in differences.items():
@@ -86,6 +83,7 @@ def bake(stage) -> None:
         select(prop)
         operators.bake()
     settings.output_directory, settings.samples, settings.field_resolution = "//fields", 512, 24
+    settings.use_field_volume = True
     for prop in stage.props:
         say(f"baking the AO field of '{prop.name}'")
         select(prop)

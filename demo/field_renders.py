@@ -4,6 +4,7 @@
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import bpy
@@ -48,19 +49,22 @@ def set_up() -> None:
     background.inputs["Color"].default_value = (1, 1, 1, 1)
 
 
-def render_all(with_eevee: bool) -> dict[str, np.ndarray]:
-    """The present frame, by what makes it: linear RGB (height, width, 3), top row first."""
-    _show("flat")
-    pictures = {"No AO fields": _render("CYCLES", FIELD_SAMPLES)}
-    _show("field")
+def render_all(frames: Sequence[int], with_eevee: bool, say: Callable[[str], None]) -> dict[int, dict[str, np.ndarray]]:
+    """Each of ``frames``, by what makes it: linear RGB (height, width, 3), top row first. One way of rendering after
+    the other, since EEVEE translates materials anew when they are rewired."""
+    scene = bpy.context.scene
+    ways = [("No AO fields", "flat", "CYCLES", FIELD_SAMPLES)]
     if with_eevee:
-        pictures["AO fields, EEVEE"] = _render(EEVEE, FIELD_SAMPLES)
-    pictures["AO fields, Cycles"] = _render("CYCLES", FIELD_SAMPLES)
-    _show("rays")
-    cycles = bpy.context.scene.cycles
-    cycles.use_denoising = True
-    pictures["Ray-traced"] = _render("CYCLES", RAY_SAMPLES)
-    cycles.use_denoising = False
+        ways.append(("AO fields, EEVEE", "field", EEVEE, FIELD_SAMPLES))
+    ways += [("AO fields, Cycles", "field", "CYCLES", FIELD_SAMPLES), ("Ray-traced", "rays", "CYCLES", RAY_SAMPLES)]
+    pictures = {frame: {} for frame in frames}
+    for name, what, engine, samples in ways:
+        say(f"rendering: {name}")
+        _show(what)
+        scene.cycles.use_denoising = what == "rays"
+        for frame in frames:
+            scene.frame_set(frame)
+            pictures[frame][name] = _render(engine, samples)
     return pictures
 
 

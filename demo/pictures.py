@@ -69,6 +69,12 @@ def comparison(columns: list[tuple[str, str, np.ndarray]]) -> np.ndarray:
     return strip
 
 
+def save_field(folder: Path, before: np.ndarray, after: np.ndarray) -> None:
+    """Write the pictures without the prop's field and with it."""
+    for name, render in (("field_before", before), ("field_after", after)):
+        save_picture(over_sky(render, BACKDROP_TOP, BACKDROP_LOW), folder / f"{name}.png")
+
+
 def save_all(
     folder: Path,
     flat: np.ndarray,

@@ -75,6 +75,14 @@ def ambient() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return passes[shading.FLAT_AOV], passes[shading.GREY_AOV], passes["Combined"]
 
 
+def field(prop: bpy.types.Object) -> tuple[np.ndarray, np.ndarray]:
+    """Multibounce AO with the prop put down, without its field and with it; right after :func:`ambient`."""
+    prop.hide_render = False
+    passes = render(AMBIENT_SAMPLES, bounces=0)
+    prop.hide_render = True
+    return passes["Combined"], passes[shading.FIELD_AOV]
+
+
 def sunlight(sun: bpy.types.Object) -> np.ndarray:
     """Direct light of the sun alone, with its shadows."""
     shading.show_principled()

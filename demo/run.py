@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`make demo`: builds a ruin, bakes it to vertices and to a texture, and renders it before and after, into out/demo/.
 
+Then an urn is put down in it, whose AO field darkens the ground that was baked without it.
+
 With --update-docs it also writes the README's pictures into docs/pictures/.
 """
 
@@ -51,19 +53,23 @@ def run(update_docs: bool) -> None:
     # Saved before the bake too: only a saved file can keep its maps under a path relative to it.
     scene_file = OUT / "ruin.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(scene_file), compress=True)
-    say("baking multibounce AO")
+    say("baking multibounce AO, and the AO field of an urn")
     seconds = bakes.bake_ruin(ruin, "//maps/")
     bpy.ops.wm.save_mainfile(compress=True)
     report = bakes.report(ruin, seconds, scene_file)
     (OUT / "report.json").write_text(json.dumps(report, indent=2))
 
+    ruin.prop.hide_render = True
     say("rendering flat ambient, grey AO and multibounce AO")
     flat, grey, bounced = renders.ambient()
+    say("rendering the urn, without its AO field and with it")
+    without_field, with_field = renders.field(ruin.prop)
     say("rendering the sun")
     sunlight = renders.sunlight(ruin.sun)
     say(f"path tracing the reference: {renders.REFERENCE_BOUNCES} bounces, {renders.REFERENCE_SAMPLES} samples")
     reference = renders.path_traced(ruin.sun)
     say("writing the pictures")
+    pictures.save_field(OUT, without_field, with_field)
     differences = pictures.save_all(OUT, flat, grey, bounced, reference, sunlight)
     (OUT / "differences.json").write_text(json.dumps(differences, indent=2))
     if update_docs:
@@ -78,7 +84,7 @@ def tell(report: dict, differences: dict) -> None:
     """Print what was baked, and how far each picture is from the path-traced one."""
     points = sum(entry["points"] for entry in report["objects"])
     rays = sum(entry["rays"] for entry in report["objects"])
-    baked = f"baked {len(report['objects'])} objects, {points:,} points, {rays / 1e6:.0f} M rays"
+    baked = f"{len(report['objects'])} bakes, {points:,} points, {rays / 1e6:.0f} M rays"
     say(f"{baked} in {report['seconds']:.1f} s")
     print("Linear RGB against the path-traced reference, over the pixels of the ruin:")
     for name, difference in differences.items():

@@ -8,6 +8,7 @@ import bpy
 
 FLAT_AOV = "Flat"
 GREY_AOV = "Grey AO"
+FIELD_AOV = "With Field"
 GROUP_OUTPUTS = {"Color", "Factor", "AO"}
 
 
@@ -50,9 +51,9 @@ def _output_aov(tap: Tap, name: str, color: bpy.types.NodeSocket) -> None:
 def show_ambient() -> None:
     """Emit the group's colour: light of a uniform white World of radiance 1, occluded, with bounces.
 
-    Beside it as AOVs: the same without any occlusion, and with the grey AO alone.
+    Beside it as AOVs: the same without any occlusion, with the grey AO alone, and darkened by AO fields too.
     """
-    for name in (FLAT_AOV, GREY_AOV):
+    for name in (FLAT_AOV, GREY_AOV, FIELD_AOV):
         bpy.context.view_layer.aovs.add().name = name
     for tap in taps():
         emission = tap.tree.nodes.new("ShaderNodeEmission")
@@ -64,6 +65,7 @@ def show_ambient() -> None:
         tap.tree.links.new(tap.group.outputs["AO"], dimmed.inputs["Scale"])
         _output_aov(tap, FLAT_AOV, tap.base_color)
         _output_aov(tap, GREY_AOV, dimmed.outputs["Vector"])
+        _output_aov(tap, FIELD_AOV, tap.principled.inputs["Base Color"].links[0].from_socket)
 
 
 def show_diffuse() -> None:

@@ -21,9 +21,9 @@ from ..core.field_bake import bake_field
 from ..core.rays import Occluders
 from ..core.workers import mapped
 from ..shader_nodes.ao_field import field_numbers
-from .field_outputs import AO_FIELD, store_atlas, write_field
+from .field_outputs import name_images, store_images, write_field
 from .field_record import proportions_of, record_field
-from .images import image_name, output_folder
+from .images import output_folder
 from .mesh_reader import linear_inverse
 from .object_checks import check_object
 from .occluder_reader import read_occluders
@@ -42,6 +42,7 @@ class FieldSettings:
     samples: int
     seed: int
     field_resolution: int
+    use_field_volume: bool
     output_directory: str
 
     @classmethod
@@ -97,6 +98,7 @@ def bake_object_field(
             resolution=settings.field_resolution,
             samples=settings.samples,
             radii=RADII,
+            volume=settings.use_field_volume,
             seed=settings.seed,
             threads=threads,
         )
@@ -151,10 +153,10 @@ def _store(
     files: list[str],
     started: float,
 ) -> None:
-    image = store_atlas(baked)
+    images = store_images(baked)
     report.seconds = round(time.perf_counter() - started, 3)
     record = {
-        "image": image,
+        **images,
         "numbers": field_numbers(baked),
         "centre": [float(value) for value in baked.centre],
         "proportions": [float(value) for value in proportions],
@@ -168,5 +170,4 @@ def _store(
         "version": extension_version(),
     }
     record_field(obj, record)
-    image.name = image_name(obj, AO_FIELD)  # which that of an earlier bake had until now
-    report.outputs = [image.name, *files]
+    report.outputs = [*name_images(obj, images), *files]

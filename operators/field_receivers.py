@@ -8,17 +8,14 @@ from collections.abc import Collection, Sequence
 import bpy
 
 from ..shader_nodes import ao_field
-from .field_nodes import can_receive, fields_in, receive, release
+from .field_nodes import fields_in, receive, release
 from .field_record import FIELD, has_changed, remove_fields, show_field
-from .material_nodes import groups_in
-from .object_materials import users_of
+from .material_tree import can_plug
+from .object_materials import create_material, remove_if_created, users_of
 from .occluder_reader import SURFACE_TYPES
 
 RECEIVES = "multibounce_ao_receives"
 """ID property: on objects that fields were applied to."""
-
-# On a material that we added: whether its slot was new too ("SLOT") or was there, empty ("MATERIAL").
-_CREATED = "multibounce_ao_field_created"
 
 
 def apply_field(
@@ -42,7 +39,7 @@ def apply_field(
             warnings.append(f"Object '{obj.name}' {problem}")
             continue
         if not any(slot.material for slot in obj.material_slots):
-            _create_material(obj)
+            create_material(obj)
         own = [slot.material for slot in obj.material_slots if slot.material]
         refused = {material: reason for material in own if (reason := _refusal(material))}
         warnings += [f"Object '{obj.name}': {reason}" for reason in refused.values()]
@@ -60,6 +57,7 @@ def clear_fields(objects: Sequence[bpy.types.Object]) -> None:
     """Take the fields that ``objects`` receive out of their materials, unless another receiver shows them too, and the
     fields that ``objects`` have out of every material and the file."""
     cleared = set(objects)
+    receivers = [obj for obj in bpy.data.objects if RECEIVES in obj]
     for obj in objects:
         obj.pop(RECEIVES, None)
     groups = {group for obj in objects if (group := ao_field.group_of(obj)) is not None}
@@ -71,8 +69,7 @@ def clear_fields(objects: Sequence[bpy.types.Object]) -> None:
             release(material, groups)
         else:
             release(material)
-        if not (fields_in(material) or groups_in(material)) and _CREATED in material:
-            _remove_created(material)
+        remove_if_created(material, receivers)
     remove_fields([obj for obj in objects if FIELD in obj])
     for obj in bpy.data.objects:
         if RECEIVES in obj and not any(slot.material and fields_in(slot.material) for slot in obj.material_slots):
@@ -91,7 +88,7 @@ def _problem(obj: bpy.types.Object) -> str | None:
 def _refusal(material: bpy.types.Material) -> str | None:
     if material.library is not None:
         return f"material '{material.name}' is linked: make it local for it to receive the field"
-    if not can_receive(material):
+    if not can_plug(material):
         return f"material '{material.name}' has no Principled BSDF: add one, or connect the node group by hand"
     return None
 
@@ -110,31 +107,3 @@ def _shared(materials: Collection[bpy.types.Material], occluder: bpy.types.Objec
             "for them to stay as they are, make it single-user (Object > Relations > Make Single User)"
         )
     return warnings
-
-
-def _create_material(obj: bpy.types.Object) -> None:
-    material = bpy.data.materials.new(obj.name)
-    if bpy.app.version < (5, 0, 0):
-        material.use_nodes = True
-    material[_CREATED] = "MATERIAL" if obj.material_slots else "SLOT"
-    if obj.material_slots:
-        obj.material_slots[0].material = material
-    else:
-        obj.data.materials.append(material)
-
-
-def _remove_created(material: bpy.types.Material) -> None:
-    """Take a material that we made away, from all objects that it has come to."""
-    users = users_of(material)
-    is_slot = material[_CREATED] == "SLOT"
-    for obj in users:
-        index = next(i for i, slot in enumerate(obj.material_slots) if slot.material == material)
-        if is_slot:
-            # By the operator: ``materials.pop`` shortens the mesh's list and leaves the object's slot standing.
-            obj.active_material_index = index
-            with bpy.context.temp_override(object=obj, active_object=obj):
-                bpy.ops.object.material_slot_remove()
-        else:
-            obj.material_slots[index].material = None
-    if material.users == 0:
-        bpy.data.materials.remove(material)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The record of an AO field on its object: where the atlas is, the numbers beside it, what the bake took.
+"""The record of an AO field on its object: which images show it, the numbers beside them, what the bake took.
 
-Objects that share a mesh, with the same modifiers and proportions, share the field: each has the record, and one image
-serves all. Only the node group is an object's own, because it follows that object.
+Objects that share a mesh, with the same modifiers and proportions, share the field: each has the record, and the same
+images serve all. Only the node group is an object's own, because it follows that object.
 """
 
 from __future__ import annotations
@@ -65,15 +65,18 @@ def record_field(obj: bpy.types.Object, record: dict[str, object]) -> None:
 
 def show_field(obj: bpy.types.Object) -> bpy.types.ShaderNodeTree:
     """The node group of ``obj`` with the field of its record."""
-    tree, record = ao_field.ensure(obj), obj[FIELD]
-    ao_field.show(tree, record["image"], record["numbers"].to_dict(), record["centre"], record["proportions"])
+    record, volume = obj[FIELD], None
+    if "volume_image" in record:
+        volume = ao_field.ShownVolume(record["volume_image"], record["volume_low"], record["volume_size"])
+    tree = ao_field.ensure(obj, volume is not None)
+    ao_field.show(tree, record["image"], record["numbers"].to_dict(), record["centre"], record["proportions"], volume)
     record["group"] = tree  # Blender saves it for this, where no material has it
     return tree
 
 
 def has_field(obj: bpy.types.Object | None) -> bool:
-    """Whether ``obj`` has a field that is whole: the artist may have removed its image."""
-    return obj is not None and obj.get(FIELD, {}).get("image") is not None
+    """Whether ``obj`` has a field that is whole: the artist may have removed its images."""
+    return obj is not None and FIELD in obj and None not in _images(obj)
 
 
 def remove_fields(objects: Collection[bpy.types.Object]) -> None:
@@ -88,7 +91,13 @@ def remove_fields(objects: Collection[bpy.types.Object]) -> None:
 
 
 def recorded_images(objects: Collection[bpy.types.Object]) -> set[bpy.types.Image]:
-    return {obj[FIELD]["image"] for obj in objects if has_field(obj)}
+    return {image for obj in objects if FIELD in obj for image in _images(obj) if image is not None}
+
+
+def _images(obj: bpy.types.Object) -> list[bpy.types.Image | None]:
+    """Of the field of ``obj``; None for those that are gone."""
+    record = obj[FIELD]
+    return [record.get("image"), *([record["volume_image"]] if "volume_image" in record else [])]
 
 
 def _remove_unused(images: set[bpy.types.Image]) -> None:

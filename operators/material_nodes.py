@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import bpy
 
 from ..shader_nodes import bent_cone, multibounce_ao, multibounce_curve, multibounce_fit, multibounce_radiosity
+from .field_nodes import is_field_mix
+from .material_tree import bypass, insert, mix_sockets, new_node, shaders, turn_nodes_back_off, turn_nodes_on, upstream
 from .names import BENT_CONE, MULTIBOUNCE_AO, PROPERTY, RADIOSITY
 
 # For each kind of bounces, and for the curve, which takes the F0 of either bake: the group, and which channel's output
@@ -25,8 +27,6 @@ WORLD_LIGHT = {"Bent Cone": (BENT_CONE, "Color"), "Alpha": (BENT_CONE, "Alpha")}
 # What a mesh without the attribute shows instead, as open.
 OPEN = {MULTIBOUNCE_AO: (1.0, 0.0, 0.0, 1.0), RADIOSITY: (1.0, 1.0, 1.0, 1.0)}
 
-# Set on a material whose nodes were off before we came.
-_NODES_WERE_OFF = "multibounce_ao_nodes_were_off"
 # Set on the node that brings the World's light.
 _WORLD_LIGHT = "multibounce_ao_world_light"
 
@@ -39,23 +39,18 @@ class BakedSource:
     uv_map: str = ""
 
 
-def can_plug(material: bpy.types.Material) -> bool:
-    """Whether ``material`` has a Principled BSDF, or gets one because its nodes were never on."""
-    return material.node_tree is None or bool(_shaders(material.node_tree))
-
-
 def plug(material: bpy.types.Material, bounces: str, source: BakedSource | None) -> None:
     """Put the group for ``bounces`` before every Principled BSDF of ``material``, fed from ``source`` if there is one.
 
     Groups that are there already keep their place; they get the new source, and without one keep theirs.
     """
-    _turn_nodes_on(material)
+    turn_nodes_on(material)
     tree = material.node_tree
     module, inputs = GROUPS[bounces]
     group_tree = module.ensure()
     groups = []
-    for bsdf in _shaders(tree):
-        group = _group_upstream(bsdf.inputs["Base Color"]) or _insert_group(tree, bsdf, group_tree)
+    for bsdf in shaders(tree):
+        group = upstream(bsdf.inputs["Base Color"], _is_our_group) or _insert_group(tree, bsdf, group_tree)
         _show(tree, group, group_tree)
         if group not in groups:
             groups.append(group)
@@ -93,21 +88,11 @@ def unplug(material: bpy.types.Material) -> None:
     if tree is None:
         return
     for group in groups_in(material):
-        base_color = group.inputs.get("Base Color")
-        color = group.outputs.get("Color")
-        for link in list(color.links) if color else []:
-            target = link.to_socket
-            if base_color.is_linked:
-                source = base_color.links[0]
-                muted = source.is_muted
-                tree.links.new(source.from_socket, target).is_muted = muted
-            else:
-                _replace_by_colour(tree, link, base_color.default_value)
+        if "Base Color" in group.inputs and "Color" in group.outputs:
+            bypass(tree, group.inputs["Base Color"], group.outputs["Color"])
     for node in [node for node in tree.nodes if _is_ours(node)]:
         tree.nodes.remove(node)
-    if _NODES_WERE_OFF in material:
-        material.use_nodes = False
-        del material[_NODES_WERE_OFF]
+    turn_nodes_back_off(material)
 
 
 def groups_in(material: bpy.types.Material) -> list[bpy.types.Node]:
@@ -121,35 +106,16 @@ def shows(material: bpy.types.Material, images: Collection[bpy.types.Image]) -> 
     return tree is not None and any(_is_ours(node) and getattr(node, "image", None) in images for node in tree.nodes)
 
 
-def _shaders(tree: bpy.types.NodeTree) -> list[bpy.types.Node]:
-    return [node for node in tree.nodes if node.bl_idname == "ShaderNodeBsdfPrincipled"]
-
-
-def _group_upstream(socket: bpy.types.NodeSocket) -> bpy.types.Node | None:
-    """Our group among all that feeds ``socket``: the artist may have put nodes between."""
-    sockets, seen = [socket], set()
-    while sockets:
-        for link in sockets.pop().links:
-            node = link.from_node
-            if _is_our_group(node):
-                return node
-            if node not in seen:
-                seen.add(node)
-                sockets += node.inputs
-    return None
-
-
 def _insert_group(tree: bpy.types.NodeTree, bsdf: bpy.types.Node, group_tree: bpy.types.NodeTree) -> bpy.types.Node:
+    """Last before the shader, but before what AO fields take away: the bounces are of the plain base colour."""
     socket = bsdf.inputs["Base Color"]
+    mix = upstream(socket, is_field_mix)
+    if mix is not None:
+        _, socket, _, _ = mix_sockets(mix)
     group = _new_node(tree, "ShaderNodeGroup", bsdf.location.x - 260, bsdf.location.y)
     group.node_tree = group_tree
     group.width = 200
-    group.inputs["Base Color"].default_value = socket.default_value
-    if socket.is_linked:
-        link = socket.links[0]
-        muted = link.is_muted
-        tree.links.new(link.from_socket, group.inputs["Base Color"]).is_muted = muted
-    tree.links.new(group.outputs["Color"], socket)
+    insert(tree, socket, group.inputs["Base Color"], group.outputs["Color"])
     return group
 
 
@@ -173,17 +139,6 @@ def _show(tree: bpy.types.NodeTree, group: bpy.types.Node, group_tree: bpy.types
     for name, socket, muted in used:
         if name in group.outputs:
             tree.links.new(group.outputs[name], socket).is_muted = muted
-
-
-def _replace_by_colour(tree: bpy.types.NodeTree, link: bpy.types.NodeLink, colour: Sequence[float]) -> None:
-    """Remove ``link``; its end gets ``colour``. A reroute has none to pass on, so there it goes to what is behind."""
-    target = link.to_socket
-    if link.to_node.bl_idname == "NodeReroute":
-        for behind in list(link.to_node.outputs[0].links):
-            _replace_by_colour(tree, behind, colour)
-    elif target.type == "RGBA":
-        target.default_value = colour
-    tree.links.remove(link)
 
 
 def _feed(tree: bpy.types.NodeTree, groups: list, inputs: dict[str, tuple[str, str]], source: BakedSource) -> None:
@@ -243,23 +198,15 @@ def _attribute(tree: bpy.types.NodeTree, channel: str, x: float, y: float) -> di
     tree.links.new(node.outputs["Alpha"], is_baked.inputs[0])
     mix = _new_node(tree, "ShaderNodeMix", x, y)
     mix.data_type, mix.label = "RGBA", "Baked or Open"
-    factor, opened, baked = (next(s for s in mix.inputs if s.identifier == name) for name in _MIX_INPUTS)
+    factor, opened, baked, result = mix_sockets(mix)
     opened.default_value = OPEN[channel]
     tree.links.new(is_baked.outputs[0], factor)
     tree.links.new(node.outputs["Color"], baked)
-    result = next(socket for socket in mix.outputs if socket.identifier == "Result_Color")
     return {"Color": result, "Alpha": node.outputs["Alpha"]}
 
 
-_MIX_INPUTS = ("Factor_Float", "A_Color", "B_Color")
-
-
 def _new_node(tree: bpy.types.NodeTree, kind: str, x: float, y: float) -> bpy.types.Node:
-    node = tree.nodes.new(kind)
-    node.location = (x, y)
-    node.select = False
-    node[PROPERTY] = True
-    return node
+    return new_node(tree, kind, PROPERTY, x, y)
 
 
 def _is_ours(node: bpy.types.Node) -> bool:
@@ -277,14 +224,3 @@ def _world_lights(tree: bpy.types.NodeTree) -> list[bpy.types.Node]:
 def _remove_sources(tree: bpy.types.NodeTree) -> None:
     for node in [node for node in tree.nodes if _is_ours(node) and node.bl_idname != "ShaderNodeGroup"]:
         tree.nodes.remove(node)
-
-
-def _turn_nodes_on(material: bpy.types.Material) -> None:
-    """Before 5.0 a material could do without nodes: it then shows its viewport colour, which the new BSDF takes
-    over."""
-    if bpy.app.version >= (5, 0, 0) or material.use_nodes:
-        return
-    material.use_nodes = True
-    material[_NODES_WERE_OFF] = True
-    for bsdf in _shaders(material.node_tree):
-        bsdf.inputs["Base Color"].default_value = material.diffuse_color

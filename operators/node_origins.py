@@ -7,7 +7,8 @@ from collections.abc import Iterable
 
 import bpy
 
-from .field_nodes import is_field_mix, mix_sockets
+from .field_nodes import is_field_mix
+from .material_tree import mix_sockets
 
 Groups = tuple[bpy.types.Node, ...]  # the group nodes that a socket lies within, innermost first
 

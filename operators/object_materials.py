@@ -7,7 +7,9 @@ from collections.abc import Collection
 
 import bpy
 
-from .material_nodes import BakedSource, can_plug, plug, shows, unplug
+from .field_nodes import fields_in
+from .material_nodes import BakedSource, groups_in, plug, shows, unplug
+from .material_tree import can_plug
 from .names import PROPERTY
 
 # On a material that we added: whether its slot was new too ("SLOT") or was there, empty ("MATERIAL").
@@ -20,7 +22,7 @@ _SLOT_LINK = "multibounce_ao_slot_link"
 def plug_object(obj: bpy.types.Object, bounces: str, source: BakedSource) -> list[str]:
     """Plug the node group into all materials of ``obj``; returns warnings about those where it could not be."""
     if not any(slot.material for slot in obj.material_slots):
-        _create_material(obj)
+        create_material(obj)
     warnings = [plug_slot(slot, obj, bounces, source) for slot in obj.material_slots if slot.material]
     return [warning for warning in warnings if warning]
 
@@ -54,14 +56,12 @@ def unplug_objects(objects: Collection[bpy.types.Object]) -> None:
             while _is_own(obj.material_slots[index]):
                 _give_original_back(obj.material_slots[index])
     for obj in objects:
-        for index in reversed(_slots_to_clear(obj, cleared)):
-            material = obj.material_slots[index].material
+        for material in {obj.material_slots[index].material for index in _slots_to_clear(obj, cleared)}:
             if material is None or material.library is not None:
                 continue
             if not any(PROPERTY in other for other in users_of(material) if other not in cleared):
                 unplug(material)
-                if _CREATED in material:
-                    _remove_created(obj, index)
+                remove_if_created(material, cleared)
 
 
 def unplug_images(images: Collection[bpy.types.Image]) -> None:
@@ -81,7 +81,8 @@ def users_of(material: bpy.types.Material) -> list[bpy.types.Object]:
     return [obj for obj in bpy.data.objects if any(slot.material == material for slot in obj.material_slots)]
 
 
-def _create_material(obj: bpy.types.Object) -> None:
+def create_material(obj: bpy.types.Object) -> None:
+    """Give ``obj``, which has none, a material."""
     material = bpy.data.materials.new(obj.name)
     if bpy.app.version < (5, 0, 0):
         material.use_nodes = True
@@ -92,15 +93,21 @@ def _create_material(obj: bpy.types.Object) -> None:
         obj.data.materials.append(material)
 
 
-def _remove_created(obj: bpy.types.Object, index: int) -> None:
-    material = obj.material_slots[index].material
-    if material[_CREATED] == "SLOT":
-        # By the operator: ``materials.pop`` shortens the mesh's list and leaves the object's slot standing.
-        obj.active_material_index = index
-        with bpy.context.temp_override(object=obj):
-            bpy.ops.object.material_slot_remove()
-    else:
-        obj.material_slots[index].material = None
+def remove_if_created(material: bpy.types.Material, objects: Collection[bpy.types.Object]) -> None:
+    """Take ``material`` away from ``objects``, if we made it and nothing of ours is left in it."""
+    if _CREATED not in material or groups_in(material) or fields_in(material):
+        return
+    for obj in objects:
+        for index in reversed(range(len(obj.material_slots))):
+            if obj.material_slots[index].material != material:
+                continue
+            if material[_CREATED] == "SLOT":
+                # By the operator: ``materials.pop`` shortens the mesh's list and leaves the object's slot standing.
+                obj.active_material_index = index
+                with bpy.context.temp_override(object=obj, active_object=obj):
+                    bpy.ops.object.material_slot_remove()
+            else:
+                obj.material_slots[index].material = None
     if material.users == 0:
         bpy.data.materials.remove(material)
 

@@ -141,6 +141,14 @@ class MultibounceAOSettings(bpy.types.PropertyGroup):
         max=64,
         subtype="PIXEL",
     )
+    use_field_volume: BoolProperty(
+        name="Volume",
+        description=(
+            "Also measure 16 x 16 x 16 places within the object's convex hull, for what stands under, in or between "
+            "its parts. The node group grows by half"
+        ),
+        default=False,
+    )
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,9 @@ class MULTIBOUNCE_AO_PT_field(SidebarPanel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, obj = self.layout, context.active_object
-        self._column(layout).prop(context.scene.multibounce_ao, "field_resolution")
+        column = self._column(layout)
+        for name in ("field_resolution", "use_field_volume"):
+            column.prop(context.scene.multibounce_ao, name)
         layout.operator("multibounce_ao.bake_field", icon="SPHERE")
         layout.operator("multibounce_ao.apply_field", icon="MOD_SHRINKWRAP")
         if has_field(obj):

@@ -2,25 +2,28 @@
 """The node groups ``AO Field <object>``: what one object blocks of the sky, at any place around it, without a ray.
 
 The same steps and symbols as ``core.ao_field.AOField.occlusion`` (the notes "Ambient Occlusion Fields", 4.
-Implementation, "Run-Time"), with the maps in the picture of ``field_atlas``. The object may move, turn, be scaled
-evenly, mirrored and parented: its place comes from a Texture Coordinate node, its rotation from drivers.
+Implementation, "Run-Time"), with the maps in the picture of ``field_atlas`` and the volume, where a field has one, in
+that of ``field_volume``. The object may move, turn, be scaled evenly, mirrored and parented: its place comes from a
+Texture Coordinate node, its rotation from drivers.
 """
 
 from __future__ import annotations
 
 import zlib
+from dataclasses import dataclass
+from functools import partial
 from math import pi
 
 import bpy
 
 from ..core.ao_field import AOField
-from . import spherical_cap
+from . import field_volume, spherical_cap
+from .environment import direction_of, texture
 from .expression import Expression, Graph, clamp, maximum, minimum
 from .field_atlas import BANDS, BORDER, COLUMNS, ROWS
 from .functions import (
     absolute,
     components,
-    cosine,
     cross,
     dot,
     length,
@@ -28,10 +31,9 @@ from .functions import (
     normalised,
     select,
     sign,
-    sine,
     vector,
 )
-from .group import Socket, ensure_group, find_group, rename_group
+from .group import Socket, ensure_group, find_group, outdate_group, rename_group
 
 NAME = "AO Field"
 VERSION = 1
@@ -39,6 +41,8 @@ VERSION = 1
 # Which object a group is of, its node "Place" tells: a pointer among a tree's custom properties would be miscounted
 # when EEVEE compiles it.
 _FIELD_KEY = "multibounce_ao_is_field"
+# Whether the group was built for fields with a volume.
+_VOLUME_KEY = "multibounce_ao_has_volume"
 _LONGEST_NAME = 63
 
 _INPUTS = (
@@ -55,20 +59,25 @@ _OUTPUTS = (
 )
 
 
-def ensure(obj: bpy.types.Object) -> bpy.types.ShaderNodeTree:
+def ensure(obj: bpy.types.Object, has_volume: bool = False) -> bpy.types.ShaderNodeTree:
     """The group of ``obj``, built or brought up to date if need be, and named after it. It follows the object, whatever
-    that is called; :func:`show` gives it its field."""
+    that is called; :func:`show` gives it its field.
+
+    has_volume  for a field with a volume: more than half as many nodes again, which others do without
+    """
     name = _group_name(obj)
     tree = group_of(obj)
     if tree is None:
         taken, _ = find_group(name)
         owner = object_of(taken) if taken is not None else None
         if owner is not None:  # it has the name from the time before its object was renamed
-            ensure(owner)
+            ensure(owner, taken.get(_VOLUME_KEY, False))
     elif tree.name != name:
         rename_group(tree, name)
-    tree = ensure_group(name, VERSION, _INPUTS, _OUTPUTS, _build)
-    tree[_FIELD_KEY] = True
+    if tree is not None and tree.get(_VOLUME_KEY, False) != has_volume:
+        outdate_group(tree)
+    tree = ensure_group(name, VERSION, _INPUTS, _OUTPUTS, partial(_build, has_volume=has_volume))
+    tree[_FIELD_KEY], tree[_VOLUME_KEY] = True, has_volume
     tree.nodes["Place"].object = obj
     _drive(tree, obj)
     return tree
@@ -88,33 +97,44 @@ def object_of(tree: bpy.types.NodeTree) -> bpy.types.Object | None:
     return place.object if place is not None else None
 
 
+@dataclass(frozen=True)
+class ShownVolume:
+    """A field's volume as shaders have it: the picture of ``field_volume``, and its box from the field's centre."""
+
+    image: bpy.types.Image
+    low: tuple[float, float, float]
+    size: tuple[float, float, float]
+
+
 def show(
     tree: bpy.types.ShaderNodeTree,
     image: bpy.types.Image,
     numbers: dict[str, float],
     centre: tuple[float, float, float],
     proportions: tuple[float, float, float],
+    volume: ShownVolume | None = None,
 ) -> None:
-    """Give the group a field: its atlas, its numbers by the names of :func:`field_numbers`, its centre, and what the
-    object's own coordinates are multiplied with to get the field's."""
-    for band in range(BANDS):
-        tree.nodes[f"Maps {band + 1}"].image = image
+    """Give the group a field: its atlas, its numbers by the names of :func:`field_numbers`, its centre, what the
+    object's own coordinates are multiplied with to get the field's, and the volume of one that has it."""
+    images = {f"Maps {band + 1}": image for band in range(BANDS)}
+    vectors = {"Centre": centre, "Proportions": proportions}
+    if volume is not None:
+        images |= {f"Volume {index + 1}": volume.image for index in range(4)}
+        vectors |= {"Volume Low": volume.low, "Volume Size": volume.size}
+    for name, each in images.items():
+        tree.nodes[name].image = each
     for name, value in numbers.items():
         tree.nodes[name].outputs[0].default_value = value
-    for name, values in (("Centre", centre), ("Proportions", proportions)):
+    for name, values in vectors.items():
         for socket, value in zip(tree.nodes[name].inputs, values, strict=True):
             socket.default_value = value
 
 
 def field_numbers(field: AOField) -> dict[str, float]:
-    """The numbers of a field that stand in nodes of their own, where an artist may change them, by their names."""
-    return {
-        "Resolution": float(field.resolution),
-        "A0": float(field.a0),
-        "p": float(field.p),
-        "r near": float(field.r_near),
-        "r far": float(field.r_far),
-    }
+    """The numbers of a field that stand in nodes of their own, where an artist may change them, by their names. A
+    volume has its own p, and takes the place of A0."""
+    within = {"A0": float(field.a0), "p": float(field.p)} if field.volume is None else {"p": float(field.volume.p)}
+    return {"Resolution": float(field.resolution), **within, "r near": float(field.r_near), "r far": float(field.r_far)}
 
 
 def _group_name(obj: bpy.types.Object) -> str:
@@ -146,7 +166,7 @@ def _drive(tree: bpy.types.ShaderNodeTree, obj: bpy.types.Object) -> None:
         target.rotation_mode = "QUATERNION"
 
 
-def _build(tree: bpy.types.ShaderNodeTree) -> None:
+def _build(tree: bpy.types.ShaderNodeTree, has_volume: bool) -> None:
     graph = Graph(tree)
     x, n = _place(graph)
     abc, abc_m, c0, r0_map = _look_up(graph, *_face(graph, x))
@@ -160,14 +180,16 @@ def _build(tree: bpy.types.ShaderNodeTree) -> None:
     with graph.frame("Upsilon = normalize(C0 - r omega); k = n . Upsilon"):
         upsilon = normalised(c0 - r_clamp * omega).named("Upsilon")
         k = dot(n, upsilon).named("k")
-    with graph.frame("a larger cap, blocked in part, keeps both Omega and |M|"):
+    with graph.frame("|M| of Omega M"):
         half = solid_angle_m / (2 * pi)
         moment = (half * (2 - half)).named("|M|")
-        larger = maximum(4 * pi * (1 - pi * moment / solid_angle), solid_angle).named("larger")
-        part = (solid_angle / larger).named("part")
-        at_hull = (part * _cap(graph, larger, k)).named("A at r clamp")
+    at_hull = _blocked(graph, solid_angle, moment, k).named("A at r clamp")
+    if has_volume:
+        a0 = _within_volume(graph, x, n).named("A0 at x")
     with graph.frame("within: t = (r / r0)^p, A = t A + (1 - t) A0"):
-        a0, p = graph.value("A0", 0.0), graph.value("p", 1.0)
+        p = graph.value("p", 1.0)
+        if not has_volume:
+            a0 = graph.value("A0", 0.0)
         inward = (minimum(r / r0, 1) ** p).named("t")
         within = (a0 + inward * (at_hull - a0)).named("A within")
     with graph.frame("the shadow fades from r near to r far, as a smoothstep"):
@@ -224,28 +246,37 @@ def _look_up(graph: Graph, s: Expression, t: Expression, column: Expression, row
         steps = ((n - 1) / 2).named("steps")
         right = column + (BORDER + 0.5 + (s + 1) * steps) / side
         up = row + (BORDER + 0.5 + (t + 1) * steps) / side
-        longitude = (right * (2 * pi / (BANDS * COLUMNS))).named("longitude")
-        colatitude = (up * (pi / ROWS)).named("colatitude")
-        ring = sine(colatitude)
-        height = (-cosine(colatitude)).named("z'")
+        first, second, height = direction_of(right, up, BANDS * COLUMNS, ROWS)
         # A band is a quarter of the picture's width, and so of a turn about z.
-        west, north = (ring * cosine(longitude)).named("-x'"), (ring * sine(longitude)).named("y'")
-        east, south = (-west).named("x'"), (-north).named("-y'")
-        turns = ((east, north), (north, west), (west, south), (south, east))
-    found = []
+        third, fourth = -first, -second
+        turns = ((first, second), (second, third), (third, fourth), (fourth, first))
     with graph.frame("the maps: a, b, c of Omega; of Omega M; C0; r0"):
-        for band, (first, second) in enumerate(turns):
-            node = graph.node("ShaderNodeTexEnvironment", "")
-            node.name = f"Maps {band + 1}"
-            graph.link(vector(first, second, height), node.inputs["Vector"])
-            found.append(Expression(graph, node.outputs["Color"], f"maps {band + 1}"))
-    return found
+        return [texture(graph, f"Maps {band + 1}", *turn, height) for band, turn in enumerate(turns)]
 
 
 def _radial(graph: Graph, name: str, coefficients: Expression, r: Expression) -> Expression:
     with graph.frame(f"{name} = 1 / (a r^2 + b r + c)"):
         a, b, c = components(coefficients, "a", "b", "c")
         return (1 / ((a * r + b) * r + c)).named(name)
+
+
+def _within_volume(graph: Graph, x: Expression, n: Expression) -> Expression:
+    """A by the volume, at ``x`` for the normal ``n``."""
+    with graph.frame("the volume's box, from the field's centre"):
+        low, size = _constant(graph, "Volume Low", -1.0), _constant(graph, "Volume Size", 2.0)
+    moment, solid_angle = field_volume.look_up(graph, x, low, size)
+    with graph.frame("Upsilon there is M's direction"):
+        length_of_moment = length(moment).named("|M| inside")
+        k = dot(n, normalised(moment)).named("k inside")
+    return _blocked(graph, solid_angle, length_of_moment, k)
+
+
+def _blocked(graph: Graph, solid_angle: Expression, moment: Expression, k: Expression) -> Expression:
+    """A of what has the ``solid_angle`` and |M|, ``moment``, about an axis of cosine ``k`` with the normal."""
+    with graph.frame("a larger cap, blocked in part, keeps both Omega and |M|"):
+        larger = maximum(4 * pi * (1 - pi * moment / solid_angle), solid_angle).named("larger")
+        part = (solid_angle / larger).named("part")
+        return part * _cap(graph, larger, k)
 
 
 def _cap(graph: Graph, solid_angle: Expression, k: Expression) -> Expression:

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The maps of an AO field as one picture for shaders, which Cycles and EEVEE look up without a seam.
 
-An Environment Texture has no mipmaps, whose choice of level breaks at the seams of an atlas in EEVEE, but no alpha
-either: the twelve numbers of a direction stand in four bands beside each other, three to each. In a band three columns
-of faces, those of x, y and z, stand in two rows, negative under positive. Each face is n x n texels and a border that
-repeats its outermost ones, so that rounding never mixes in a neighbour; texels are nodes that lie on the edges of the
-cube (:mod:`core.cubemap`). Below and above there is an empty row of faces, because directions near the poles, which
-these would be, lose digits.
+They are looked up by Environment Texture nodes (:mod:`shader_nodes.environment`), which have no alpha: the twelve
+numbers of a direction stand in four bands beside each other, three to each. In a band three columns of faces, those of
+x, y and z, stand in two rows, negative under positive. Each face is n x n texels and a border that repeats its
+outermost ones, so that rounding never mixes in a neighbour; texels are nodes that lie on the edges of the cube
+(:mod:`core.cubemap`). Below and above there is an empty row of faces.
 
 On the picture s runs to the right and t up: y and z on the faces of x, x and z on those of y, x and y on those of z,
 each divided by the largest of the three coordinates.

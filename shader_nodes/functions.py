@@ -29,6 +29,10 @@ def cosine(angle: Expression) -> Expression:
     return _function("COSINE", "cos", angle)
 
 
+def floor(value: Expression) -> Expression:
+    return _function("FLOOR", "floor", value)
+
+
 def atan2(y: Expression, x: Operand) -> Expression:
     """The angle of (x, y), in (-pi, pi]."""
     return _function("ARCTAN2", "atan2", y, x)

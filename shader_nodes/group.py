@@ -79,6 +79,11 @@ def rename_group(tree: bpy.types.ShaderNodeTree, name: str) -> None:
     tree[_GROUP_KEY] = name
 
 
+def outdate_group(tree: bpy.types.ShaderNodeTree) -> None:
+    """Let the next :func:`ensure_group` build ``tree``, one of our groups, anew."""
+    tree[_VERSION_KEY] = 0
+
+
 def _update_interface(tree: bpy.types.ShaderNodeTree, inputs: Sequence[Socket], outputs: Sequence[Socket]) -> None:
     """Make the interface what it should be. A socket of the right name keeps its identifier, and so its links."""
     interface = tree.interface

@@ -5,15 +5,18 @@ from dataclasses import dataclass
 
 import bpy
 
-from . import alcove, arch, columns, ground, materials, rubble, stage, statue, wall
+from . import alcove, arch, columns, ground, materials, rubble, stage, statue, urn, wall
 
 
 @dataclass
 class Ruin:
-    """What to bake: objects for a vertex bake, objects with a UV map for a texture bake; and the sun."""
+    """What to bake: objects for a vertex bake, objects with a UV map for a texture bake; a prop that comes later, for a
+    field bake, and the ground that receives it; and the sun."""
 
     vertex_objects: list[bpy.types.Object]
     texture_objects: list[bpy.types.Object]
+    prop: bpy.types.Object
+    ground: list[bpy.types.Object]
     sun: bpy.types.Object
 
 
@@ -26,6 +29,7 @@ def build() -> Ruin:
     glaze = materials.add("Glaze", grain=8, roughness=0.25)
     earth = materials.add("Earth", grain=30, roughness=0.95)
 
+    ground_objects = [ground.add_paving(earth), ground.add_rock(earth)]
     heap = rubble.add_heap("Rubble Heap", (1.15, -0.75, 0.0), 0.75, 22, 3, masonry)
     vertex_objects = [
         wall.add(masonry),
@@ -36,10 +40,9 @@ def build() -> Ruin:
         columns.add_standing("Left Column", (-2.35, -0.95, 0.0), 2.75, 1, stone),
         columns.add_standing("Right Column", (2.45, -0.95, 0.0), 0.75, 4, stone),
         columns.add_fallen_drum((1.65, -1.75, 0.28), stone),
-        ground.add_paving(earth),
-        ground.add_rock(earth),
+        *ground_objects,
         heap,
     ]
     rubble.add_instances(heap, [(-1.45, -0.75, 0.45), (3.1, -0.7, -0.5)])
     stage.add_camera()
-    return Ruin(vertex_objects, [alcove.add_inside(plaster)], stage.add_sun())
+    return Ruin(vertex_objects, [alcove.add_inside(plaster)], urn.add(glaze), ground_objects, stage.add_sun())

@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Suzanne, glazed, on a stepped pedestal in the niche."""
 
-from itertools import pairwise
-
 import bpy
 import numpy as np
 
 from . import palette, plan
-from .patches import COLOUR_ATTRIBUTE, Patch, add_object, closed_ring_quads
+from .lathe import lathe
+from .patches import COLOUR_ATTRIBUTE, add_object
 
 HEAD_SCALE = 0.48
 CENTRE = np.array([0.0, 0.14, plan.SILL + 0.96])
@@ -34,28 +33,11 @@ def add_suzanne(material) -> bpy.types.Object:
     return suzanne
 
 
-def _lathe(profile: np.ndarray, sides: int) -> Patch:
-    """A prism with `sides` flat sides: profile (k, 2) = (radius, height), bottom to top."""
-    steps = np.maximum(np.linalg.norm(np.diff(profile, axis=0), axis=1) / 0.03, 2).astype(int)
-    runs = [np.linspace(a, b, n, endpoint=False) for (a, b), n in zip(pairwise(profile), steps, strict=True)]
-    fine = np.concatenate([*runs, profile[-1:]])
-    per_side = 6
-    angle = np.arange(sides * per_side) * 2 * np.pi / (sides * per_side)
-    # Points stay on the polygon's straight sides: distance of a regular polygon's edge at this angle.
-    to_side = np.cos(np.pi / sides) / np.cos((angle % (2 * np.pi / sides)) - np.pi / sides)
-    ring = np.stack([np.cos(angle), np.sin(angle)], axis=-1) * to_side[:, None]
-    vertices = np.concatenate(
-        [fine[:, None, :1] * ring, np.broadcast_to(fine[:, None, 1:], (len(fine), len(angle), 1))], axis=-1
-    ).reshape(-1, 3)
-    colours = palette.mottled(np.broadcast_to(palette.SANDSTONE, vertices.shape), vertices, 4)
-    return Patch(vertices, colours, [closed_ring_quads(len(fine), len(angle))])
-
-
 def add_pedestal(material) -> bpy.types.Object:
     """An octagonal flat-shaded pedestal."""
     radii = np.array([0.40, 0.40, 0.36, 0.31, 0.26, 0.24, 0.31, 0.38, 0.38, 0.0])
     heights = np.array([-0.03, 0.1, 0.14, 0.14, 0.2, 0.38, 0.44, 0.44, 0.51, 0.51])
-    patch = _lathe(np.stack([radii, heights], axis=-1), sides=8)
+    patch = lathe(np.stack([radii, heights], axis=-1), 8, palette.SANDSTONE)
     pedestal = add_object("Pedestal", patch, material, smooth=False)
     pedestal.location = (CENTRE[0], CENTRE[1] + 0.02, plan.SILL - 0.005)
     pedestal.rotation_euler[2] = np.pi / 8

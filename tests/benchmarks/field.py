@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Seconds for an ambient occlusion field of 100k triangles, and its rays a second beside Embree alone on the same rays.
+"""An ambient occlusion field of 100k triangles: seconds, size of its files, rays a second beside Embree alone.
 
 The rays of a bake are kept as they were, in the same blocks, and traced once more on as many threads: no directions are
 made and nothing is summed or fitted.
@@ -8,6 +8,7 @@ made and nothing is summed or fitted.
 from __future__ import annotations
 
 import os
+import tempfile
 import time
 from concurrent.futures import ThreadPoolExecutor
 from unittest.mock import patch
@@ -17,7 +18,9 @@ import numpy as np
 from report import Report
 from timing import seconds, side_by_side
 
+from core.ao_field import AOField
 from core.field_bake import bake_field
+from core.field_files import save_field
 from core.rays import Occluders
 
 
@@ -31,9 +34,13 @@ def main(report: Report, quick: bool) -> None:
     mesh.loop_triangles.foreach_get("vertices", triangles)
     vertices, triangles = vertices.reshape(-1, 3).astype(np.float64), triangles.reshape(-1, 3)
 
-    def bake() -> None:
-        for _ in bake_field(Occluders(vertices, triangles), vertices, triangles):
-            pass
+    def bake() -> AOField:
+        work = bake_field(Occluders(vertices, triangles), vertices, triangles)
+        while True:
+            try:
+                next(work)
+            except StopIteration as finished:
+                return finished.value
 
     blocks: list[tuple] = []
     times: list[tuple[float, float]] = []
@@ -72,3 +79,6 @@ def main(report: Report, quick: bool) -> None:
         f"{len(triangles)} triangles: rays a second, of Embree alone", f"{rates['tracing'] / rates['Embree']:.2f}"
     )
     report.add(f"{len(triangles)} triangles: seconds for the whole field", f"{taken['bake']:.1f}")
+    with tempfile.TemporaryDirectory() as folder:
+        size = sum(path.stat().st_size for path in save_field(bake(), folder, "Object"))
+    report.add(f"{len(triangles)} triangles: kB of its files", f"{size / 1000:.0f}")

@@ -5,6 +5,7 @@ from functools import cache
 
 import numpy as np
 
+from core.cubemap import lookup
 from core.field_bake import bake_field
 from core.field_hull import Hull
 from core.rays import Occluders
@@ -84,3 +85,45 @@ def occlusion(mesh, positions, normals, samples=4096):
 
 def rms(error):
     return float(np.sqrt(np.mean(np.square(error))))
+
+
+def error_around(name, mesh, field, asked):
+    """rms of A of 3000 receivers around the object; printed with that of the plain cap beside it."""
+    positions, normals = receivers(mesh)
+    truth = occlusion(mesh, positions, normals)
+    error = rms(field.occlusion(positions, normals) - truth)
+    plain = rms(field.occlusion(positions, normals, plain_cap=True) - truth)
+    print(f"{name}: rms of A {error:.4f}, by the plain cap {plain:.4f}; asked {asked}")
+    return error
+
+
+def error_on_floor(name, mesh, field):
+    """rms of A of places spread evenly over the floor that the object stands on, six of its radii wide, outside the
+    hull."""
+    low = mesh[0][:, 2].min()
+    x, y = np.random.default_rng(2).uniform(-3.0, 3.0, (2, 4000)) * field.radius
+    positions = np.column_stack((x + field.centre[0], y + field.centre[1], np.full(len(x), low)))
+    away = positions - field.centre
+    clearance = np.linalg.norm(away, axis=1) / distance_to_hull(hull_of(mesh), unit(away))
+    positions, clearance = positions[clearance > 1.01], clearance[clearance > 1.01]
+    up = np.tile((0.0, 0.0, 1.0), (len(positions), 1))
+    truth = occlusion(mesh, positions, up, 2048)
+    found = field.occlusion(positions, up)
+    contact = clearance < 1.2
+    print(f"{name} on a floor: rms of A {rms(found - truth):.4f}; at contact A is {found[contact].mean():.3f}, "
+          f"by rays {truth[contact].mean():.3f}")  # fmt: skip
+    return rms(found - truth)
+
+
+def assert_no_pole(field):
+    """Both denominators of every texel are positive and rise from its r0 on, which a vertex before r0 tells; and
+    between texels, where r0 is another's, the solid angle stays finite."""
+    for a, b, c in ((field.a, field.b, field.c), (field.a_m, field.b_m, field.c_m)):
+        assert (a > 0.0).all()
+        assert (2.0 * a * field.r0 + b > 0.0).all()
+        assert ((a * field.r0 + b) * field.r0 + c > 0.0).all()
+    omega = unit(np.random.default_rng(1).normal(size=(2000, 3)))
+    r0 = lookup(field.r0, omega)
+    for a, b, c in ((field.a, field.b, field.c), (field.a_m, field.b_m, field.c_m)):
+        a, b, c = (lookup(each, omega) for each in (a, b, c))
+        assert ((a * r0 + b) * r0 + c > 0.25 / (4.0 * np.pi) * 0.999).all()

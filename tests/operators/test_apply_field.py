@@ -274,6 +274,79 @@ def test_beside_a_bake_of_the_receiver(prop, bounces, materials):
     assert differences(before, snapshot()) == []
 
 
+@pytest.mark.parametrize("make", [material, textured_material])
+@pytest.mark.parametrize("baked_first", [True, False], ids=["bake, field", "field, bake"])
+@pytest.mark.parametrize("field_goes_first", [True, False], ids=["field goes", "bake goes"])
+def test_bake_and_field_come_and_go_in_any_order(prop, fitted, make, baked_first, field_goes_first):
+    """The bake's group has the plain base colour and the field multiplies last, whichever came first; each leaves the
+    other as if it had been alone."""
+    floor = plate("Floor")
+    floor.data.materials.append(make(colour=(0.1, 0.2, 0.3, 1)) if make is material else make())
+    paint, base = floor.active_material, bsdf(floor.active_material).inputs["Base Color"]
+    plain = source(base)
+    steps = [lambda: bake(floor, samples=1), lambda: press_apply(prop, floor)]
+    for step in steps if baked_first else reversed(steps):
+        step()
+    group_color = source(mix_of(paint)[0])
+    assert (group_color.name, group_color.node.node_tree.name) == ("Color", "Multibounce AO Fit")
+    assert_fed_by(group_color.node.inputs["Base Color"], plain)
+    assert fields_of(paint) == ["AO Field Ball"]
+    if field_goes_first:
+        clear(prop)
+        assert fields_of(paint) == [] and source(base) == group_color
+        clear(floor)
+    else:
+        operators("material_nodes").unplug(paint)
+        assert_fed_by(mix_of(paint)[0], plain)
+        clear(prop)
+    assert_fed_by(base, plain)
+    assert len(paint.node_tree.nodes) == (2 if plain is None else 3)
+
+
+def assert_fed_by(socket, output):
+    """By ``output``, or where that is None by the colour alone."""
+    assert source(socket) == output
+    if output is None:
+        np.testing.assert_allclose(socket.default_value, (0.1, 0.2, 0.3, 1), rtol=1e-6)
+
+
+@pytest.mark.parametrize("baked_first", [True, False], ids=["bake, field", "field, bake"])
+@pytest.mark.parametrize("mesh_is_shared", [False, True])
+def test_material_made_for_both_goes_with_the_last(fitted, baked_first, mesh_is_shared):
+    floor = plate("Floor")
+    floors = [floor, add("Twin", floor.data, location=(9, 0, 0))] if mesh_is_shared else [floor]
+    obj = ball()
+    change_settings(**DRAFT)
+    select(*floors)
+    before = snapshot()
+    bake_field(obj)
+    steps = [lambda: bake(*floors, samples=DRAFT["samples"]), lambda: apply_field(obj, *floors)]
+    for step in steps if baked_first else reversed(steps):
+        step()
+    clear(obj)
+    assert len(floor.material_slots) == 1
+    clear(*floors)
+    for tree, users in bpy.data.user_map(subset=list(bpy.data.node_groups)).items():
+        if not users:
+            bpy.data.node_groups.remove(tree)
+    assert differences(before, snapshot()) == []
+
+
+@pytest.mark.skipif(bpy.app.version >= (5, 0, 0), reason="since 5.0 the nodes of a material are always on")
+@pytest.mark.parametrize("field_goes_first", [True, False])
+def test_nodes_that_were_off_go_off_with_the_last(prop, fitted, field_goes_first):
+    floor = plate("Floor")
+    paint = bpy.data.materials.new("Paint")
+    floor.data.materials.append(paint)
+    bake(floor)
+    press_apply(prop, floor)
+    steps = [lambda: clear(prop), lambda: operators("material_nodes").unplug(paint)]
+    for step in steps if field_goes_first else reversed(steps):
+        assert paint.use_nodes
+        step()
+    assert not paint.use_nodes
+
+
 def test_radiosity_reads_the_base_colour_through_the_field(prop):
     floor = plate("Floor")
     floor.data.materials.append(material(colour=(0.1, 0.2, 0.3, 1)))

@@ -123,7 +123,7 @@ def test_result_is_recorded_on_the_object():
     assert record["target"] == "VERTEX"
     assert record["f0"] == {"min": 1.0, "mean": 1.0, "max": 1.0}
     names = {p.identifier for p in bpy.context.scene.multibounce_ao.bl_rna.properties} - {"rna_type", "name"}
-    others = {"height_map", "height_map_amplitude", "field_resolution"}  # of fits and fields
+    others = {"height_map", "height_map_amplitude", "field_resolution", "use_field_volume"}  # of fits and fields
     assert names - others < set(record)
     assert not others & set(record)
     manifest_version = record["version"].split(".")

@@ -62,7 +62,7 @@ def test_settings_are_those_of_the_contract():
         "target": "VERTEX", "samples": 256, "max_distance": 0.0, "falloff": "NONE", "occluders": "VISIBLE",
         "use_ground_plane": False, "ignore_backfaces": False, "bounces": "BAKED", "use_material_nodes": True,
         "seed": 0, "resolution": 1024, "margin": 16, "uv_map": "", "output_directory": "", "height_map": None,
-        "height_map_amplitude": pytest.approx(0.04), "field_resolution": 16,
+        "height_map_amplitude": pytest.approx(0.04), "field_resolution": 16, "use_field_volume": False,
     }  # fmt: skip
     assert {p.identifier: getattr(p, "default", None) for p in settings()} == defaults
     choices = {p.identifier: [item.identifier for item in p.enum_items] for p in settings() if p.type == "ENUM"}

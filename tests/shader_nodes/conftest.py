@@ -6,10 +6,9 @@ import pytest
 
 @pytest.fixture
 def modules(extension, empty_scene):
-    """Of AO fields: the node group and the atlas."""
-    return [
-        importlib.import_module(f"{extension.__name__}.shader_nodes.{name}") for name in ("ao_field", "field_atlas")
-    ]
+    """Of AO fields: the node group, the atlas and the volume."""
+    names = ("ao_field", "field_atlas", "field_volume")
+    return [importlib.import_module(f"{extension.__name__}.shader_nodes.{name}") for name in names]
 
 
 @pytest.fixture

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -26,6 +27,21 @@ def smooth_field(rng: np.random.Generator, n: int):
         return (low + high) / 2 + (high - low) / 2 * np.sin(directions @ rng.normal(size=3) + rng.uniform(0, 6))
 
     return _field(rng, directions, node, wave)
+
+
+def with_volume(rng: np.random.Generator, field):
+    """The same with a volume in a box that does not hold the hull. It varies slowly, as those of objects do: of random
+    neighbours the rounding of places would be magnified."""
+    from core.ao_field import FieldVolume
+
+    low, high = np.array((-0.7, -0.5, -0.6)), np.array((0.5, 0.8, 0.6))
+    places = np.stack(np.meshgrid(*np.linspace(low, high, 16).T, indexing="ij"), axis=-1)
+    waves = np.sin(places @ rng.normal(scale=3.0, size=(3, 4)) + rng.uniform(0, 6, 4))
+    omega = 4.5 + 4 * waves[..., 3:]
+    # |M| below that of one cap
+    moment = (waves[..., :3] + (0, 0, 1.5)) / 4 * omega / np.pi * (1 - omega / (4 * np.pi))
+    values = np.concatenate((moment, omega), axis=-1).astype(np.float16).astype(float)
+    return replace(field, volume=FieldVolume(values, low, high, 1.7))
 
 
 def _field(rng: np.random.Generator, directions: np.ndarray, node: np.ndarray, draw: Callable):

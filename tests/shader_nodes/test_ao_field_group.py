@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 import pytest
 
-from .fields import random_field, smooth_field
+from .fields import random_field, smooth_field, with_volume
 from .receivers import Plates, render_plates
 
 
@@ -17,17 +17,25 @@ def centred(field):
 
 
 def group_with(modules, obj, field, proportions=(1, 1, 1)):
-    group, atlas = modules
-    pixels = atlas.atlas_pixels(field)
+    group, atlas, volumes = modules
+    tree = group.ensure(obj, field.volume is not None)
+    volume = None
+    if field.volume is not None:
+        low, high = field.volume.low, field.volume.high
+        volume = group.ShownVolume(image_of(volumes.volume_pixels(field.volume)), tuple(low), tuple(high - low))
+    image = image_of(atlas.atlas_pixels(field))
+    group.show(tree, image, group.field_numbers(field), tuple(field.centre), proportions, volume)
+    return tree
+
+
+def image_of(pixels):
     image = bpy.data.images.new("Atlas", pixels.shape[1], pixels.shape[0], alpha=True, float_buffer=True)
     image.colorspace_settings.name = "Non-Color"
     image.alpha_mode = "CHANNEL_PACKED"
     image.use_half_precision = False
     image.pixels.foreach_set(pixels.ravel())
     image.update()
-    tree = group.ensure(obj)
-    group.show(tree, image, group.field_numbers(field), tuple(field.centre), proportions)
-    return tree
+    return image
 
 
 def render(group, plates, folder, engine="CYCLES", output="Occlusion", frame=1):
@@ -166,6 +174,20 @@ def test_uneven_scale_that_it_was_baked_for(modules, prop, tmp_path):
     plates = Plates.random(rng, 48, 6.0)
     error = np.abs(render(group, plates, tmp_path) - expected(field, prop, plates, proportions))
     assert error.max() < 1e-5
+
+
+def test_volume(modules, prop, tmp_path, engine):
+    """Within the hull and about it; the box's sides lie in what is looked at. Then without it again."""
+    rng = np.random.default_rng(14)
+    plain = smooth_field(rng, 16)
+    field = with_volume(rng, plain)
+    plates = Plates.random(rng, 64, 1.6)
+    error = np.abs(render(group_with(modules, prop, field), plates, tmp_path, engine) - expected(field, prop, plates))
+    print(f"AO Field with its volume in {engine}: largest {error.max():.1e}, rms {np.sqrt((error**2).mean()):.1e}")
+    assert error.max() < (2e-3 if engine == "EEVEE" else 1e-5)
+    if engine == "CYCLES":
+        without = render(group_with(modules, prop, plain), plates, tmp_path)
+        assert np.abs(without - expected(plain, prop, plates)).max() < 1e-5
 
 
 def test_connected_normal_counts(modules, prop, tmp_path):
