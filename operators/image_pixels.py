@@ -48,7 +48,8 @@ def alpha_use(node: bpy.types.Node) -> AlphaUse:
     is_premultiplied = image.is_float
     if bpy.app.version >= (5, 0, 0) and (image.source == "GENERATED" or image.packed_file is not None):
         is_premultiplied = image.alpha_mode == "PREMUL"
-    is_read = node.outputs["Alpha"].is_linked
+    alpha = node.outputs.get("Alpha")  # an Environment Texture has none
+    is_read = alpha is not None and alpha.is_linked
     if is_premultiplied:
         return "DIVIDE" if is_read else "KEEP"
     return "KEEP" if is_read else "MULTIPLY"
