@@ -123,10 +123,8 @@ def _bake_object(
         else:
             check_image_names(obj, image_channels(settings))
             uv_map = uv_map_name(mesh, settings.uv_map)
-            surface, bent_normals = (
-                read_surface(mesh, matrix, uv_map),
-                read_bent_normal_map(mesh, matrix, uv_map, settings),
-            )
+            surface = read_surface(mesh, matrix, uv_map)
+            bent_normals = read_bent_normal_map(mesh, matrix, uv_map, settings)
             work = bake_texture(obj, surface, uv_map, matrix, tracer, report, settings, folder, threads, bent_normals)
     return (yield from work)
 
