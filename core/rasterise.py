@@ -40,6 +40,10 @@ class Texels:
     triangle: NDArray[np.int32]
     weights: NDArray[np.float32]
 
+    def __getitem__(self, part: slice) -> Texels:
+        """A slice of the texels."""
+        return Texels(self.texel[part], self.triangle[part], self.weights[part])
+
 
 def rasterise(
     triangle_uv: NDArray,

@@ -101,14 +101,15 @@ def deal(pattern: Pattern, places: int) -> tuple[NDArray[np.float64], NDArray[np
     8 places or another Fibonacci number, one arm of the pattern's spirals. A place's rays go around its normal, so that
     one finds in the cache what the last one met.
 
-    The weights say what a visible ray adds to F0, alpha and the mean direction's x, y, z. They are multiples of 2^-40,
-    like the pattern's own, so that the product sums them without rounding in any order. The pattern's directions are
+    The weights say what a visible ray adds to F0, alpha and the mean direction's x, y, z. They are multiples of 2^-41,
+    as the pattern's own are, so that the product sums them without rounding in any order. z has half of F0's weight, so
+    that F0 = 2 alpha b . n, which is exact for integrals, is so for any number of samples. The pattern's directions are
     not quite balanced about the normal; taking their mean x and y from each (a control variate) makes an open point's
     bent direction its normal.
     """
-    sideways = pattern.uniform @ (pattern.directions * (1.0, 1.0, 0.0))
-    bent = np.rint((pattern.directions - sideways) * pattern.uniform[:, None] * 2.0**40) / 2.0**40
-    weights = np.column_stack((pattern.cosine, pattern.uniform, bent))
+    sideways = pattern.uniform @ pattern.directions[:, :2]
+    bent = np.rint((pattern.directions[:, :2] - sideways) * pattern.uniform[:, None] * 2.0**40) / 2.0**40
+    weights = np.column_stack((pattern.cosine, pattern.uniform, bent, 0.5 * pattern.cosine))
     count = len(weights)
     azimuth = np.arctan2(pattern.directions[:, 1], pattern.directions[:, 0])
     turn = np.arange(-(-count // places))[:, None]

@@ -140,14 +140,14 @@ def trace_visibility(
             f0, alpha = sums[part, :, 0].sum(axis=1), sums[part, :, 1].sum(axis=1)
             if cache:
                 result.gathered[window[part]] = sums[part, :, sky:].sum(axis=1)
-            # Points last, so that numpy runs along them.
-            local = np.ascontiguousarray(sums[part, :, 2:sky].T)
-            bent = (local[:, None] * np.ascontiguousarray(frame[part].transpose(2, 3, 1, 0))).sum(axis=(0, 2)).T
+            # Points last, so that numpy runs along them; the mean direction's parts along each place's x, y and z.
+            axes = np.ascontiguousarray(frame[part].transpose(2, 3, 1, 0))
+            bent = np.zeros((3, part.stop - part.start))
+            for axis, along in enumerate(np.ascontiguousarray(sums[part, :, 2:sky].T)):
+                bent += (axes[axis] * along).sum(axis=1)
             result.f0[window[part]] = f0
             result.alpha[window[part]] = alpha
-            result.bent[window[part]] = np.divide(
-                bent, alpha[:, None], out=np.zeros_like(bent), where=alpha[:, None] > 0.0
-            )
+            result.bent[window[part]] = np.divide(bent, alpha, out=np.zeros_like(bent), where=alpha > 0.0).T
             return 0
 
         chunks = slices(size, max(1, PLACES_PER_CHUNK // places))

@@ -19,7 +19,8 @@ import numpy as np
 from ..core.rays import Occluders
 from ..core.workers import mapped
 from .bake_record import record_bake
-from .images import check_image_names, output_folder
+from .bent_normal_map import read_bent_normal_map
+from .images import check_image_names, image_channels, output_folder
 from .mesh_reader import evaluated_mesh, read_surface
 from .names import CHANNELS
 from .object_checks import check_evaluated, check_object
@@ -120,11 +121,11 @@ def _bake_object(
             check_attribute_names(obj, settings.bounces)
             work = bake_vertices(obj.data, vertex_points(obj, mesh, matrix), matrix, tracer, report)
         else:
-            check_image_names(obj, settings.bounces)
+            check_image_names(obj, image_channels(settings))
             uv_map = uv_map_name(mesh, settings.uv_map)
-            work = bake_texture(
-                obj, read_surface(mesh, matrix, uv_map), uv_map, matrix, tracer, report, settings, folder, threads
-            )
+            surface = read_surface(mesh, matrix, uv_map)
+            bent_normals = read_bent_normal_map(mesh, matrix, uv_map, settings)
+            work = bake_texture(obj, surface, uv_map, matrix, tracer, report, settings, folder, threads, bent_normals)
     return (yield from work)
 
 

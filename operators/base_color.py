@@ -19,15 +19,13 @@ from .base_color_nodes import (
     read_base_color,
     unreadable_warning,
 )
+from .image_pixels import linear_pixels
 from .mesh_reader import evaluated_mesh, front_facing, read, read_corner_vertices, read_triangles
 from .node_origins import UnreadableError
 from .occluder_reader import blockers
 
 # Property and width of the attributes that can be colours, by data type.
 _VALUES = {"FLOAT_COLOR": ("color", 4), "BYTE_COLOR": ("color", 4), "FLOAT_VECTOR": ("vector", 3)}
-# IEC 61966-2-1, for each byte.
-_BYTES = np.arange(256) / 255.0
-_SRGB_TO_LINEAR = np.where(_BYTES <= 0.04045, _BYTES / 12.92, ((_BYTES + 0.055) / 1.055) ** 2.4).astype(np.float32)
 
 
 def read_albedo(depsgraph: bpy.types.Depsgraph, owners: Collection[bpy.types.Object]) -> tuple[Albedo, list[str]]:
@@ -123,7 +121,7 @@ class _Sources:
             shown = colour.source
             key = shown.image, shown.alpha
             if key not in pixels:
-                pixels[key] = _pixels(shown)
+                pixels[key] = linear_pixels(shown.image, shown.alpha)
             texture = Texture(pixels[key], shown.extension, shown.is_closest)
             sources.append(TextureColours(texture, np.concatenate(rows.parts), colour.scale, colour.offset))
         first = np.cumsum([0, *map(len, sources)])
@@ -196,21 +194,3 @@ def _corner_uv(mesh: bpy.types.Mesh, source: ImageColour, corners: NDArray[np.in
         layer = next((layer for layer in mesh.uv_layers if layer.active_render), None)
     uv = np.zeros((*corners.shape, 2)) if layer is None else read(layer.uv, "vector", 2, np.float32)[corners]
     return (uv @ source.mapping[:, :2].T + source.mapping[:, 2]).astype(np.float32)
-
-
-def _pixels(source: ImageColour) -> NDArray[np.float32]:
-    """Linear RGB (h, w, 3), bottom row first."""
-    image = source.image
-    width, height = image.size
-    rgba = np.empty((height, width, 4), np.float32)
-    image.pixels.foreach_get(rgba.reshape(-1))
-    rgb, alpha = np.ascontiguousarray(rgba[..., :3]), rgba[..., 3:]
-    # Blender gives bytes as they are stored, and floats as linear light.
-    if not image.is_float and image.colorspace_settings.name == "sRGB":
-        for line in rgb:
-            line[:] = _SRGB_TO_LINEAR[np.rint(line * 255.0).astype(np.uint8)]
-    if source.alpha == "MULTIPLY":
-        rgb *= alpha
-    elif source.alpha == "DIVIDE":
-        np.divide(rgb, alpha, out=rgb, where=alpha > 0.0)
-    return rgb

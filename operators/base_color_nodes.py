@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import bpy
 import numpy as np
@@ -13,6 +12,7 @@ from mathutils import Euler
 from numpy.typing import NDArray
 
 from ..core.albedo import GREY, Extension
+from .image_pixels import AlphaUse, alpha_use, check_image
 from .node_origins import Groups, UnreadableError, is_our_group, origin_of
 
 RGB = tuple[float, float, float]
@@ -33,18 +33,17 @@ _NOT_DIFFUSE = {
     "ShaderNodeEmission",
     "ShaderNodeHoldout",
 }
-LINEAR_OR_SRGB = ("Linear Rec.709", "sRGB")  # colour spaces of byte images
 
 
 @dataclass(frozen=True)
 class ImageColour:
     """The pixels of ``image`` through ``uv_map`` (empty: the one active for render), whose coordinates (u, v, 1) the
-    ``mapping`` (2, 3) moves. ``alpha`` KEEP: the pixels are the colours; else alpha is to MULTIPLY or DIVIDE them."""
+    ``mapping`` (2, 3) moves; ``alpha`` as :func:`.image_pixels.alpha_use` has it."""
 
     image: bpy.types.Image
     extension: Extension
     is_closest: bool
-    alpha: Literal["KEEP", "MULTIPLY", "DIVIDE"]
+    alpha: AlphaUse
     uv_map: str
     mapping: NDArray[np.float64]
 
@@ -196,29 +195,14 @@ def _number(socket: bpy.types.NodeSocket, groups: Groups) -> float:
 
 
 def _image(node: bpy.types.Node, groups: Groups) -> ImageColour:
-    image = node.image
-    if image is None:
-        raise UnreadableError(f"the node '{node.name}' without an image", "choose its image")
-    if image.source not in ("FILE", "GENERATED"):
-        raise UnreadableError(f"the image '{image.name}' of tiles or frames", "bake it to a single image")
-    if min(image.size) == 0:
-        raise UnreadableError(f"the image '{image.name}' without its file", "find the missing file")
-    space = image.colorspace_settings
-    if not image.is_float and not space.is_data and space.name not in LINEAR_OR_SRGB:
-        raise UnreadableError(f"the image '{image.name}' in {space.name}", "save it as sRGB")
+    image = check_image(node)
     if node.projection != "FLAT":
         raise UnreadableError(f"the node '{node.name}' with {node.projection.title()} projection")
-    if space.is_data or image.alpha_mode not in ("STRAIGHT", "PREMUL"):
-        alpha = "KEEP"
-    elif image.is_float:
-        alpha = "DIVIDE" if node.outputs["Alpha"].is_linked else "KEEP"
-    else:
-        alpha = "KEEP" if node.outputs["Alpha"].is_linked else "MULTIPLY"
     uv_map, mapping = "", np.eye(3, 4)
     if origin_of(node.inputs["Vector"], groups)[0] != node.inputs["Vector"]:
         uv_map, mapping = _coordinates(node.inputs["Vector"], groups)
-    # z is 0.
-    return ImageColour(image, node.extension, node.interpolation == "Closest", alpha, uv_map, mapping[:2, (0, 1, 3)])
+    in_plane = mapping[:2, (0, 1, 3)]  # z is 0
+    return ImageColour(image, node.extension, node.interpolation == "Closest", alpha_use(node), uv_map, in_plane)
 
 
 def _coordinates(socket: bpy.types.NodeSocket, groups: Groups) -> tuple[str, NDArray[np.float64]]:
@@ -233,11 +217,11 @@ def _coordinates(socket: bpy.types.NodeSocket, groups: Groups) -> tuple[str, NDA
             return "", np.eye(3, 4)
         if node.bl_idname == "ShaderNodeMapping" and node.vector_type in ("POINT", "TEXTURE", "VECTOR"):
             uv_map, before = _coordinates(node.inputs["Vector"], groups)
-            return uv_map, _mapping(node, groups) @ np.vstack((before, (0.0, 0.0, 0.0, 1.0)))
+            return uv_map, mapping_matrix(node, groups) @ np.vstack((before, (0.0, 0.0, 0.0, 1.0)))
     raise UnreadableError(f"an image at coordinates of the node '{node.name}'")
 
 
-def _mapping(node: bpy.types.Node, groups: Groups) -> NDArray[np.float64]:
+def mapping_matrix(node: bpy.types.Node, groups: Groups) -> NDArray[np.float64]:
     """What a Mapping node does to (x, y, z, 1): (3, 4)."""
     vectors = []
     for socket in node.inputs[1:]:

@@ -13,13 +13,15 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from .names import BENT_CONE, CHANNELS, MULTIBOUNCE_AO, PROPERTY, RADIOSITY
+from .names import BENT_CONE, BENT_NORMAL, CHANNELS, MULTIBOUNCE_AO, PROPERTY, RADIOSITY
 from .report import BakeError
+from .settings import BakeSettings
 
 FILE_SUFFIX = {
     MULTIBOUNCE_AO: "_multibounce_ao.exr",
     RADIOSITY: "_multibounce_radiosity.exr",
     BENT_CONE: "_bent_cone.exr",
+    BENT_NORMAL: "_bent_normal.exr",
 }
 
 
@@ -67,9 +69,14 @@ def file_path(obj: bpy.types.Object, channel: str, folder: str) -> Path:
     return path
 
 
-def check_image_names(obj: bpy.types.Object, bounces: str) -> None:
+def image_channels(settings: BakeSettings) -> tuple[str, ...]:
+    """What a texture bake leaves an image of."""
+    return CHANNELS[settings.bounces] + ((BENT_NORMAL,) if settings.use_bent_normal_map else ())
+
+
+def check_image_names(obj: bpy.types.Object, channels: Collection[str]) -> None:
     """Raises BakeError where an image that is no bake has a name that the bake needs: it may be the artist's work."""
-    for channel in CHANNELS[bounces]:
+    for channel in channels:
         image = bpy.data.images.get((image_name(obj, channel), None))
         if image is not None and PROPERTY not in image:
             raise BakeError(f"would replace the image '{image.name}', which is no bake: rename or remove that image")

@@ -7,6 +7,9 @@ MULTIBOUNCE_AO = "Multibounce AO"
 BENT_CONE = "Bent Cone"
 """Attribute or image: mean visible direction x, y, z, and alpha."""
 
+BENT_NORMAL = "Bent Normal"
+"""Image: the bent direction as a normal map, red, green and blue."""
+
 RADIOSITY = "Multibounce Radiosity"
 """Attribute or image: E/E0 in red, green and blue, and F0."""
 

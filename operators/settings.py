@@ -118,6 +118,29 @@ class MultibounceAOSettings(bpy.types.PropertyGroup):
         # Said since 4.5, which warns of "//" without it; 4.2 does not know the word.
         options={"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5, 0) else set(),
     )
+    use_bent_normal_map: BoolProperty(
+        name="Bent Normal Map",
+        description="Write the middle of what each texel sees as a normal map too, for other programs",
+        default=False,
+    )
+    bent_normal_space: EnumProperty(
+        name="Space",
+        description="Space of the bent normal map",
+        items=(
+            ("OBJECT", "Object", "Bake the bent normals in object space"),
+            ("TANGENT", "Tangent", "Bake the bent normals in tangent space, as most programs read normal maps"),
+        ),
+        default="TANGENT",
+    )
+    bent_normal_y: EnumProperty(
+        name="Y",
+        description="Which way green points in the bent normal map",
+        items=(
+            ("POS_Y", "+Y (OpenGL)", "Up the image, as in Blender, glTF, Unity and Godot"),
+            ("NEG_Y", "-Y (DirectX)", "Down the image, as in Unreal Engine"),
+        ),
+        default="POS_Y",
+    )
     height_map: PointerProperty(
         type=bpy.types.Image,
         name="Height Map",
@@ -169,6 +192,9 @@ class BakeSettings:
     margin: int
     uv_map: str
     output_directory: str
+    use_bent_normal_map: bool
+    bent_normal_space: str
+    bent_normal_y: str
 
     @classmethod
     def of(cls, scene: bpy.types.Scene) -> BakeSettings:

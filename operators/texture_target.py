@@ -16,9 +16,10 @@ from ..core.rasterise import bands, rasterise
 from ..core.sample_points import CornerTable, TexelPoints, spread_points, texel_places
 from ..core.surface import Surface
 from ..core.workers import Workers, mapped, slices
+from .bent_normal_map import BentNormalMap
 from .images import file_path, store_image
 from .mesh_reader import linear_inverse
-from .names import CHANNELS
+from .names import BENT_NORMAL, CHANNELS
 from .report import BakeError, ObjectReport, statistics
 from .settings import BakeSettings
 from .tracer import LIGHT_SHARE, Tracer
@@ -59,11 +60,12 @@ def bake_texture(
     settings: BakeSettings,
     folder: str,
     threads: int | None,
+    bent_normals: BentNormalMap | None = None,
 ) -> Generator[float, None, TextureResult]:
     """Bake the texels of ``obj``, whose evaluated ``surface`` has the UVs of ``uv_map``; yields the fraction done.
 
-    ``matrix`` (4, 4) places the object; ``threads`` rasterise. Raises BakeError where the UV map leaves nothing to
-    bake.
+    ``matrix`` (4, 4) places the object; ``threads`` rasterise; ``bent_normals`` makes one more image. Raises
+    BakeError where the UV map leaves nothing to bake.
     """
     triangle_uv = surface.corner_uv[surface.triangles]
     report.warnings += check_layout(triangle_uv, uv_map)
@@ -71,6 +73,8 @@ def bake_texture(
     size = settings.resolution
     world_to_object = linear_inverse(matrix)
     images = {channel: np.zeros((size * size, 4), np.float32) for channel in CHANNELS[settings.bounces]}
+    if bent_normals is not None:
+        images[BENT_NORMAL] = np.tile(bent_normals.background(), (size * size, 1))
     f0 = []
     covered = np.zeros(size * size, bool)
     places = texel_places(settings.samples)
@@ -90,10 +94,13 @@ def bake_texture(
 
         visibility = yield from mapped(tracing, fraction)
 
-        def fill(part: slice, texel=texels.texel, visibility=visibility) -> None:
+        def fill(part: slice, texels=texels, visibility=visibility) -> None:
+            texel = texels.texel[part]
             for channel, values in tracer.channels(visibility[part], world_to_object).items():
-                images[channel][texel[part]] = values
-            covered[texel[part]] = True
+                images[channel][texel] = values
+            if bent_normals is not None:
+                images[BENT_NORMAL][texel] = bent_normals.colours(texels[part], visibility.bent[part])
+            covered[texel] = True
 
         with Workers(threads) as workers:
             workers.map(fill, slices(len(texels.texel), TEXELS_PER_PART))

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The light of a World, all around, as spherical harmonics: of a plain colour at once, of anything else by a panorama.
+"""The light of a World, all around, as spherical harmonics: of a plain colour or a picture at once, of anything else by
+a panorama.
 
 The panorama is rendered by Cycles in a scene of its own, from a copy of the World, and all of it is taken away again.
 """
@@ -7,9 +8,9 @@ The panorama is rendered by Cycles in a scene of its own, from a copy of the Wor
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from math import pi
+from math import pi, radians
 from pathlib import Path
 
 import bpy
@@ -19,12 +20,16 @@ from numpy.typing import NDArray
 from ..core.spherical_harmonics import COUNT, Y0, project_panorama
 from ..shader_nodes.cone_light import LARGEST
 from .report import BakeError
+from .world_picture import picture_coefficients
 
-# Pixels of the panorama, and rays through each: few where they agree, many where they do not, as at the edge of a sun,
-# which is less than a pixel wide.
-HEIGHT, WIDTH = 256, 512
-LEAST_SAMPLES, MOST_SAMPLES = 32, 2048
-NOISE = 0.002
+# Pixels of the panorama, and rays through each: few where they agree, more where they do not. Cycles measures NOISE
+# against the root of a pixel's brightness, so that what is bright is refined most.
+HEIGHT, WIDTH = 128, 256
+LEAST_SAMPLES, MOST_SAMPLES = 32, 1024
+NOISE = 0.02
+# Degrees across that the sun of a sky gets, so that no panorama misses it. It sheds the same light, and nine
+# coefficients cannot tell the two apart.
+SUN = 6.0
 
 # What light that falls on a surface is for the Light Path nodes of a World. Outputs that are not named here give 0.
 _LIGHT_PATH = {"Is Diffuse Ray": 1.0, "Diffuse Depth": 1.0, "Ray Depth": 1.0}
@@ -38,33 +43,37 @@ def world_coefficients(scene: bpy.types.Scene) -> NDArray[np.float64]:
         raise BakeError(
             f"Scene '{scene.name}' has no World: add one in the World properties, with a colour, a sky or an image"
         )
-    radiance = _plain_radiance(world)
-    if radiance is not None:
-        coefficients = np.zeros((COUNT, 3))
-        coefficients[0] = np.array(radiance) / Y0
-    else:
+    coefficients = _simple_coefficients(world)
+    if coefficients is None:
         coefficients = project_panorama(render_panorama(scene))
     if not (np.abs(coefficients) <= LARGEST).all():
         raise BakeError(f"World '{world.name}' is infinitely bright somewhere: look for what its nodes divide by 0")
     return coefficients
 
 
-def _plain_radiance(world: bpy.types.World) -> tuple[float, ...] | None:
-    """The radiance of a World of one colour, None where its nodes say more."""
+def _simple_coefficients(world: bpy.types.World) -> NDArray[np.float64] | None:
+    """Coefficients (9, 3) of a World of one colour or one picture, None where its nodes say more."""
     tree = world.node_tree
     if tree is None or not world.use_nodes:
-        return tuple(world.color)
+        return _of_colour(world.color)
     output = tree.get_output_node("CYCLES")
     links = output.inputs["Surface"].links if output is not None else ()
     if not links:
-        return 0.0, 0.0, 0.0
+        return _of_colour((0.0, 0.0, 0.0))
     background = links[0].from_node
     if background.bl_idname != "ShaderNodeBackground" or background.mute or links[0].is_muted:
         return None
     colour, strength = background.inputs["Color"], background.inputs["Strength"]
-    if colour.is_linked or strength.is_linked:
+    if strength.is_linked:
         return None
-    return tuple(strength.default_value * value for value in colour.default_value[:3])
+    unit = picture_coefficients(colour) if colour.is_linked else _of_colour(colour.default_value)
+    return None if unit is None else strength.default_value * unit
+
+
+def _of_colour(colour: Sequence[float]) -> NDArray[np.float64]:
+    coefficients = np.zeros((COUNT, 3))
+    coefficients[0] = np.array(colour[:3]) / Y0
+    return coefficients
 
 
 def render_panorama(scene: bpy.types.Scene) -> NDArray[np.float64]:
@@ -132,7 +141,7 @@ def _for_surfaces(world: bpy.types.World) -> bpy.types.World:
     """A copy of ``world`` that shows the camera what it sheds on surfaces, without a volume."""
     copy = world.copy()
     copy.cycles_visibility.camera = True
-    _answer_light_path(copy.node_tree)
+    _prepare(copy.node_tree)
     for node in copy.node_tree.nodes:
         if node.bl_idname == "ShaderNodeOutputWorld":
             for link in list(node.inputs["Volume"].links):
@@ -140,12 +149,16 @@ def _for_surfaces(world: bpy.types.World) -> bpy.types.World:
     return copy
 
 
-def _answer_light_path(tree: bpy.types.NodeTree) -> None:
-    """Put numbers for a ray from a surface in the place of Light Path nodes, also in groups, which are copied."""
+def _prepare(tree: bpy.types.NodeTree) -> None:
+    """Put numbers for a ray from a surface in the place of Light Path nodes, and make suns larger; also in groups,
+    which are copied."""
     for node in list(tree.nodes):
         if node.bl_idname == "ShaderNodeGroup" and node.node_tree is not None:
             node.node_tree = node.node_tree.copy()
-            _answer_light_path(node.node_tree)
+            _prepare(node.node_tree)
+        elif node.bl_idname == "ShaderNodeTexSky":
+            # All of it above the horizon, as most of the smaller one is.
+            node.sun_size = max(node.sun_size, min(radians(SUN), 2.0 * node.sun_elevation))
         elif node.bl_idname == "ShaderNodeLightPath":
             for output in node.outputs:
                 targets = [link.to_socket for link in output.links]

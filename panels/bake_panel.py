@@ -79,6 +79,13 @@ class MULTIBOUNCE_AO_PT_texture(SidebarPanel, bpy.types.Panel):
             column.prop_search(settings, "uv_map", obj.data, "uv_layers", icon="GROUP_UVS")
         else:
             column.prop(settings, "uv_map")
+        column = whole.column()
+        column.active = settings.target == "TEXTURE"
+        column.prop(settings, "use_bent_normal_map")
+        chosen = column.column()
+        chosen.active = settings.use_bent_normal_map
+        chosen.prop(settings, "bent_normal_space")
+        chosen.prop(settings, "bent_normal_y")
         # Bounce curves go there too, whatever the target.
         whole.prop(settings, "output_directory")
 

@@ -26,7 +26,7 @@ from .functions import atan2, dot, length, less_than, normalised, sqrt
 from .group import Socket, ensure_group
 
 NAME = "Bent Cone Irradiance"
-VERSION = 1
+VERSION = 2
 
 _INPUTS = (
     Socket(
@@ -87,16 +87,20 @@ def ensure() -> bpy.types.ShaderNodeTree:
 
 def _build(tree: bpy.types.ShaderNodeTree) -> None:
     graph = Graph(tree)
-    with graph.frame("n: the normal, in world space"):
-        surface = graph.node("ShaderNodeNewGeometry", "")
-        given = graph.input("Normal")
-        own = less_than(length(given), 1e-6) * Expression(graph, surface.outputs["Normal"], "own normal")
-        normal = normalised(given + own).named("n")
-    with graph.frame("b: turned with its object, length kept; open where missing"):
+    with graph.frame("the baked cone: b, alpha, and whether there is one"):
         baked = graph.input("Bent Cone")
         size = length(baked).named("|b|")
         is_missing = less_than(size, 1e-6).named("is missing")
         alpha = clamp(graph.input("Alpha"), 0, 1).named("alpha")
+    # A bake is of the front. Renderers turn normals round where a surface is seen from behind; and so does a bake of
+    # Cycles wherever a smooth normal leans away from its own face.
+    with graph.frame("n: the normal, in world space, of the front where baked"):
+        surface = graph.node("ShaderNodeNewGeometry", "")
+        given = graph.input("Normal")
+        own = less_than(length(given), 1e-6) * Expression(graph, surface.outputs["Normal"], "own normal")
+        behind = Expression(graph, surface.outputs["Backfacing"], "backfacing")
+        normal = ((1 - 2 * behind * (1 - is_missing)) * normalised(given + own)).named("n")
+    with graph.frame("b: turned with its object, length kept; open where missing"):
         world = _to_world(graph, baked)
         bent = (size * normalised(world) + 0.5 * is_missing * normal).named("b")
     with graph.frame("moments: seen m = alpha b, hidden n/2 - m, open n/2"):

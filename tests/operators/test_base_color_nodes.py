@@ -196,14 +196,23 @@ def build_alpha(tree, base, texture, colours):
     tree.links.new(texture.outputs[0], base)
 
 
-def build_float_alpha_that_is_read(tree, base, texture, colours):
-    texture.image = image(np.tile((0.2, 0.1, 0.3, 0.5), (2, 2, 1)))
-    tree.links.new(texture.outputs[0], base)
-    node = tree.nodes.new("ShaderNodeMath")
-    node.inputs[1].default_value = 10.0
-    node.use_clamp = True
-    tree.links.new(texture.outputs["Alpha"], node.inputs[0])
-    tree.links.new(node.outputs[0], base.node.inputs["Alpha"])
+def float_alpha(mode, is_read):
+    """Cycles divides colours by an alpha that the material reads; whether they are premultiplied, Cycles 5 takes from
+    the mode, and Cycles 4 takes it for granted."""
+
+    def build(tree, base, texture, colours):
+        texture.image = image(np.tile((0.2, 0.1, 0.3, 0.5), (2, 2, 1)))
+        texture.image.alpha_mode = mode
+        tree.links.new(texture.outputs[0], base)
+        if is_read:
+            node = tree.nodes.new("ShaderNodeMath")
+            node.inputs[1].default_value = 10.0
+            node.use_clamp = True
+            tree.links.new(texture.outputs["Alpha"], node.inputs[0])
+            tree.links.new(node.outputs[0], base.node.inputs["Alpha"])
+
+    build.__name__ = f"float_{mode.lower()}_alpha{'_that_is_read' if is_read else ''}"
+    return build
 
 
 MATERIALS = [
@@ -237,10 +246,7 @@ MATERIALS = [
     build_diffuse,
     build_emission,
     build_alpha,
-    pytest.param(
-        build_float_alpha_that_is_read,
-        marks=pytest.mark.skipif(bpy.app.version >= (5, 0, 0), reason="Cycles 5 shows another colour: not understood"),
-    ),
+    *(float_alpha(mode, is_read) for mode in ("STRAIGHT", "PREMUL", "CHANNEL_PACKED") for is_read in (False, True)),
 ]
 
 

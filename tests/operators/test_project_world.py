@@ -42,33 +42,68 @@ def test_directions_are_those_of_the_world():
     assert error < 2e-3
 
 
-@pytest.mark.parametrize("turn", [0.0, 0.7])
-def test_picture(turn):
-    """Any picture, turned by its Mapping node: a point lookup at w is one at R w, so that the light turns back."""
+@pytest.mark.parametrize("by", ["pixels", "panorama"])
+@pytest.mark.parametrize("kind", ["POINT", "TEXTURE", None])
+def test_picture(kind, by, monkeypatch):
+    """Any picture, turned by its Mapping node: a point lookup at w is one at R w, so that the light turns back. The
+    pixels' own sum and Cycles' panorama are one."""
     from core import spherical_harmonics as sh
+    from core.panorama import project_picture
 
     pixels = np.random.default_rng(0).uniform(0, 1, (16, 32, 3)) ** 2
-    picture_world(pixels, turn)
-    found = project()
-    # Blender mixes neighbouring pixels.
-    fine = _magnified(pixels, 16)
-    cos, sin = np.cos(turn), np.sin(turn)
-    expected = sh.rotate(sh.project_panorama(fine), np.array(((cos, sin, 0), (-sin, cos, 0), (0, 0, 1))))
-    error = np.abs(found - expected).max()
-    print(f"projection of a picture turned by {turn}: within {error:.1e}")
-    assert error < 5e-3
+    made = picture_world(pixels, 0.7)
+    background(made).inputs["Strength"].default_value = 3.0
+    mapping = next(node for node in made.node_tree.nodes if node.bl_idname == "ShaderNodeMapping")
+    if kind is None:
+        made.node_tree.nodes.remove(mapping)
+    else:
+        mapping.vector_type = kind
+    radiance = operators("world_radiance")
+    if by == "panorama":
+        monkeypatch.setattr(radiance, "picture_coefficients", lambda colour: None)
+    else:
+        monkeypatch.setattr(radiance, "render_panorama", None)
+    cos, sin = np.cos(0.7), np.sin(0.7)
+    turn = {"POINT": np.array(((cos, sin, 0), (-sin, cos, 0), (0, 0, 1))), None: np.eye(3)}
+    turn["TEXTURE"] = turn["POINT"].T
+    expected = 3 * sh.rotate(project_picture(pixels), turn[kind])
+    error = np.abs(project() - expected).max()
+    print(f"projection of a picture turned as a {kind} by its {by}: within {error:.1e}")
+    assert error < (1e-5 if by == "pixels" else 5e-3)
 
 
-def _magnified(pixels, times):
-    """(h, w, 3) read bilinearly at ``times`` as many places; columns go round, rows end."""
-    height, width = pixels.shape[:2]
-    for axis, count in ((0, height), (1, width)):
-        at = (np.arange(count * times) + 0.5) / times - 0.5
-        low = np.floor(at).astype(int)
-        part = (at - low).reshape(-1, *(1,) * (2 - axis))
-        first, second = (np.take(pixels, index, axis=axis, mode="wrap" if axis else "clip") for index in (low, low + 1))
-        pixels = first + part * (second - first)
-    return pixels
+def test_bytes_are_srgb():
+    made = picture_world(np.ones((4, 8, 3)))
+    node = next(node for node in made.node_tree.nodes if node.bl_idname == "ShaderNodeTexEnvironment")
+    node.image = bpy.data.images.new("Bytes", 8, 4, alpha=True)
+    node.image.pixels.foreach_set(np.tile(np.float32((0.5, 0.5, 1.0, 1.0)), 32))
+    linear = ((128 / 255 + 0.055) / 1.055) ** 2.4
+    np.testing.assert_allclose(project(), of_plain(linear, linear, 1.0), atol=1e-4)
+
+
+@pytest.mark.parametrize("change", ["tint", "stretched", "noise"])
+def test_other_nodes_take_the_panorama(change, monkeypatch):
+    """Whatever is more than a turned picture."""
+    made = picture_world(np.ones((4, 8, 3)))
+    nodes, links = made.node_tree.nodes, made.node_tree.links
+    texture = next(node for node in nodes if node.bl_idname == "ShaderNodeTexEnvironment")
+    if change == "tint":
+        gamma = nodes.new("ShaderNodeGamma")
+        links.new(texture.outputs["Color"], gamma.inputs["Color"])
+        links.new(gamma.outputs[0], background(made).inputs["Color"])
+    elif change == "stretched":
+        next(node for node in nodes if node.bl_idname == "ShaderNodeMapping").inputs["Scale"].default_value = (1, 2, 1)
+    else:
+        links.new(nodes.new("ShaderNodeTexNoise").outputs["Color"], texture.inputs["Vector"])
+    rendered = []
+
+    def panorama(scene):
+        rendered.append(scene)
+        return np.ones((2, 4, 3))
+
+    monkeypatch.setattr(operators("world_radiance"), "render_panorama", panorama)
+    project()
+    assert rendered
 
 
 def test_sky_with_a_sun():
@@ -82,11 +117,12 @@ def test_sky_with_a_sun():
     slope = found[[3, 1, 2]].sum(axis=1)
     assert slope[2] > 0
     assert np.degrees(np.arctan2(slope[0], slope[1])) == pytest.approx(90, abs=5)
-    # However it lies among the panorama's pixels, of which it is smaller than one.
-    sky.sun_rotation = np.radians(17)
+    # However it lies among the panorama's pixels, and however small it is: its light is the same.
+    sky.sun_rotation, sky.sun_size = np.radians(17), np.radians(0.1)
     turned = project()
-    print(f"a sun turned by 73 degrees: mean {found[0, 1]:.4f} and {turned[0, 1]:.4f}")
+    print(f"a sun turned by 73 degrees and made smaller: mean {found[0, 1]:.4f} and {turned[0, 1]:.4f}")
     np.testing.assert_allclose(turned[0], found[0], rtol=5e-3)
+    assert sky.sun_size == pytest.approx(np.radians(0.1))
 
 
 def test_light_and_not_what_the_camera_sees():

@@ -10,7 +10,7 @@ from enable_extension import PACKAGE
 
 from .bakes import BENT_CONE, attribute, bake, clear, f0, rms, select
 from .materials import bsdf, group, material, source
-from .meshes import box, plate, positions, read, suzanne
+from .meshes import box, corner_vertices, plate, positions, read, suzanne
 from .refusals import error_of
 from .snapshot import differences, snapshot
 from .worlds import directions_world, world
@@ -35,8 +35,8 @@ def project():
     return np.transpose([list(stored[name]) for name in ("red", "green", "blue")])
 
 
-def emitted(obj, output):
-    """(vertices, 3): what Cycles makes of an output of the World's light, at the vertices of ``obj``."""
+def emitted(obj, output, domain="POINT"):
+    """(vertices or corners, 3): what Cycles makes of an output of the World's light on ``obj``."""
     tree = obj.active_material.node_tree
     emission, end = tree.nodes.new("ShaderNodeEmission"), tree.get_output_node("CYCLES")
     shown = end.inputs["Surface"].links[0].from_socket
@@ -45,7 +45,7 @@ def emitted(obj, output):
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     scene.cycles.samples = 1
-    colours = obj.data.color_attributes.new("Cycles", "FLOAT_COLOR", "POINT")
+    colours = obj.data.color_attributes.new("Cycles", "FLOAT_COLOR", domain)
     obj.data.color_attributes.active_color = colours
     select(obj)
     bpy.ops.object.bake(type="EMIT", target="VERTEX_COLORS")
@@ -74,6 +74,19 @@ def test_white_world_gives_f0():
     assert error.max() < 0.005
     sky = emitted(obj, "Sky Light")
     np.testing.assert_allclose(sky[f0(obj) > 0.01], 1.0, atol=0.01)
+
+
+def test_white_world_gives_f0_where_normals_lean_behind_their_faces():
+    """There Cycles turns them round, as it does where a surface is seen from behind; the bake is of the front."""
+    obj = plate()
+    box("Wall", low=(1.1, -2, -3), high=(1.3, 2, 3))
+    obj.data.normals_split_custom_set_from_vertices([(0.3, 0.0, -1.0)] * len(obj.data.vertices))
+    obj.data.materials.append(material())
+    bake(obj, samples=64)
+    add_world_light(obj)
+    assert np.ptp(f0(obj)) > 0.1
+    corners = f0(obj)[corner_vertices(obj.data)] if len(f0(obj)) == len(obj.data.vertices) else f0(obj)
+    np.testing.assert_allclose(emitted(obj, "Irradiance", "CORNER"), np.repeat(corners[:, None], 3, axis=1), atol=0.005)
 
 
 def test_world_axes():

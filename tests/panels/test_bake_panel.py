@@ -74,12 +74,13 @@ def test_buttons_set_the_samples(panels):
 
 def test_what_does_not_apply_is_grey(panels):
     settings = bpy.context.scene.multibounce_ao
-    of_textures = {"resolution", "margin", "uv_map"}
+    of_textures = {"resolution", "margin", "uv_map", "use_bent_normal_map", "bent_normal_space", "bent_normal_y"}
     settings.target, settings.max_distance = "VERTEX", 0
     shown = properties(everything(panels))
     assert {name for name, active in shown.items() if not active} == of_textures | {"falloff", "height_map_amplitude"}
     settings.target, settings.max_distance = "TEXTURE", 1
     settings.height_map = bpy.data.images.new("Relief", 4, 4)
+    settings.use_bent_normal_map = True
     assert all(properties(everything(panels)).values())
 
 

@@ -61,7 +61,8 @@ def test_settings_are_those_of_the_contract():
     defaults = {
         "target": "VERTEX", "samples": 256, "max_distance": 0.0, "falloff": "NONE", "occluders": "VISIBLE",
         "use_ground_plane": False, "ignore_backfaces": False, "bounces": "BAKED", "use_material_nodes": True,
-        "seed": 0, "resolution": 1024, "margin": 16, "uv_map": "", "output_directory": "", "height_map": None,
+        "seed": 0, "resolution": 1024, "margin": 16, "uv_map": "", "output_directory": "",
+        "use_bent_normal_map": False, "bent_normal_space": "TANGENT", "bent_normal_y": "POS_Y", "height_map": None,
         "height_map_amplitude": pytest.approx(0.04), "field_resolution": 16, "use_field_volume": False,
     }  # fmt: skip
     assert {p.identifier: getattr(p, "default", None) for p in settings()} == defaults
@@ -71,6 +72,8 @@ def test_settings_are_those_of_the_contract():
         "falloff": ["NONE", "LINEAR", "SMOOTH"],
         "occluders": ["SELF", "SELECTED", "VISIBLE"],
         "bounces": ["FITTED", "BAKED", "RADIOSITY"],
+        "bent_normal_space": ["OBJECT", "TANGENT"],
+        "bent_normal_y": ["POS_Y", "NEG_Y"],
     }
 
 
