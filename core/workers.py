@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A thread a core that take pieces of work from one list, while the caller hears now and then how far they are."""
+"""Threads: one a core that take pieces of work from one list, while the caller hears now and then how far they are; and
+one that drives a whole generator, for callers that must not be kept waiting."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
+from threading import Event
 from typing import Any, TypeVar
 
 Part = TypeVar("Part")
@@ -13,6 +15,8 @@ Result = TypeVar("Result")
 
 # Seconds between reports. Waking the caller for each piece would take Python's lock from the workers.
 REPORT_EVERY = 0.05
+# Seconds that a step of in_thread waits for news, and that closing it waits for what cannot be stopped at once.
+NEWS_WITHIN, LINGER = 0.01, 0.3
 
 
 class Workers:
@@ -90,6 +94,41 @@ def mapped(work: Generator[Any, None, Result], change: Callable[[Any], Any]) -> 
         return finished.value
     finally:
         work.close()
+
+
+def in_thread(work: Generator[Any, None, Result], start: Any = 0.0) -> Generator[Any, None, Result]:
+    """The generator ``work`` run by a thread of its own; yields what it yielded last, ``start`` before that.
+
+    No step takes much longer than NEWS_WITHIN, whatever ``work`` does between its yields: the thread that also draws
+    Blender's window can drive it. Closing this closes ``work`` where it yields next. What takes longer than LINGER to
+    come there ends by itself, without a caller.
+    """
+    latest, unwanted = [start], Event()
+
+    def run() -> Result:
+        try:
+            while not unwanted.is_set():
+                latest[0] = next(work)
+        except StopIteration as finished:
+            return finished.value
+        finally:
+            work.close()
+
+    pool = ThreadPoolExecutor(1)
+    working = pool.submit(run)
+    try:
+        while wait([working], NEWS_WITHIN).not_done:
+            yield latest[0]
+        return working.result()
+    finally:
+        unwanted.set()
+        pool.shutdown(wait=not wait([working], LINGER).not_done)
+
+
+def calling(function: Callable[..., Result], *arguments: Any) -> Generator[float, None, Result]:
+    """A call as a generator, for :func:`in_thread`; it yields once, before."""
+    yield 0.0
+    return function(*arguments)
 
 
 def slices(count: int, size: int) -> list[slice]:

@@ -16,8 +16,17 @@ from ..core.rays import Obscurance, Occluders
 from ..core.sample_points import SamplePoints, SurfacePoints
 from ..core.sampling import hemisphere_pattern
 from ..core.visibility import Visibility, trace_visibility
+from ..core.workers import mapped
 from .names import CHANNELS
 from .settings import BakeSettings
+
+
+@dataclass
+class RayCount:
+    """Rays that a whole bake has traced so far, from the points that it bakes."""
+
+    rays: int = 0
+
 
 # Part of a bake that finding the light takes, for its progress.
 LIGHT_SHARE = 0.3
@@ -25,12 +34,13 @@ LIGHT_SHARE = 0.3
 
 @dataclass(frozen=True)
 class Tracer:
-    """Traces against ``occluders`` as ``settings`` say, with so many ``threads`` (None: one a core); ``albedo`` is of
-    the occluders, for radiosity."""
+    """Traces against ``occluders`` as ``settings`` say, with so many ``threads`` (None: one a core); ``count`` goes on
+    as it does, and ``albedo`` is of the occluders, for radiosity."""
 
     occluders: Occluders
     settings: BakeSettings
     threads: int | None
+    count: RayCount
     albedo: Albedo | None = None
 
     def light(self, probes: SurfacePoints, points: int, extent: float) -> Generator[float, None, LightCache | None]:
@@ -47,7 +57,14 @@ class Tracer:
     ) -> Generator[int, None, Visibility]:
         """What ``points`` see; yields the number of those done. ``cache`` is what :meth:`light` returned."""
         pattern = hemisphere_pattern(self.settings.samples)
-        return trace_visibility(self.occluders, points, pattern, extent=extent, cache=cache, **self._common())
+        before = self.count.rays
+
+        def counted(done: int) -> int:
+            self.count.rays = before + done * self.settings.samples
+            return done
+
+        tracing = trace_visibility(self.occluders, points, pattern, extent=extent, cache=cache, **self._common())
+        return mapped(tracing, counted)
 
     def channels(self, visibility: Visibility, world_to_object: NDArray) -> dict[str, NDArray[np.float32]]:
         """What is stored of n points, by name, each (n, 4). ``world_to_object`` as for

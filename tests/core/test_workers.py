@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from core.workers import Workers
+from core.workers import LINGER, NEWS_WITHIN, Workers, calling, in_thread
 
 
 @pytest.mark.parametrize("threads", [1, 3])
@@ -62,3 +62,63 @@ def test_closing_drops_the_rest():
         count = len(started)
         time.sleep(0.1)
         assert 0 < count == len(started) < 20
+
+
+def counting(log, pause=0.0, until=3):
+    try:
+        for number in range(until):
+            log.append(threading.current_thread())
+            time.sleep(pause)
+            yield number
+        return "done"
+    finally:
+        log.append("closed")
+
+
+def test_a_generator_in_a_thread_of_its_own():
+    log, steps, waits = [], [], []
+    work = in_thread(counting(log, 0.1), start="begin")
+    while True:
+        began = time.perf_counter()
+        try:
+            steps.append(next(work))
+        except StopIteration as finished:
+            assert finished.value == "done"
+            break
+        waits.append(time.perf_counter() - began)
+    numbers = [step for step in steps if step != "begin"]
+    assert sorted(waits)[len(waits) // 2] < 5 * NEWS_WITHIN  # the work sleeps for longer, and others use the machine
+    assert steps[0] == "begin"
+    assert numbers == sorted(numbers) and numbers[-1] > 0
+    assert log[-1] == "closed"
+    assert threading.current_thread() not in log
+    assert not log[0].is_alive()
+
+
+def test_what_it_raises_is_raised_to_the_caller():
+    def work():
+        yield 0
+        raise ValueError("no")
+
+    with pytest.raises(ValueError, match="no"):
+        list(in_thread(work()))
+    with pytest.raises(ZeroDivisionError):
+        list(in_thread(calling(divmod, 1, 0)))
+
+
+def test_closing_stops_it_at_its_next_step():
+    log = []
+    work = in_thread(counting(log, 0.03, until=1000))
+    next(work)
+    work.close()
+    assert log[-1] == "closed" and len(log) < 10
+
+
+def test_closing_does_not_wait_for_what_cannot_be_stopped():
+    wake = threading.Event()
+    work = in_thread(calling(wake.wait, 20.0))
+    next(work)
+    began = time.perf_counter()
+    work.close()
+    assert time.perf_counter() - began < LINGER + 2.0
+    wake.set()
