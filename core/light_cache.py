@@ -73,6 +73,11 @@ class LightCache:
         return np.rint(sent / STEP) * STEP
 
 
+def cells_wanted(rays: int) -> int:
+    """How many cells the points of a bake that traces so many ``rays`` are to see."""
+    return int(np.clip(rays // RAYS_PER_CELL, FEWEST_CELLS, MOST_CELLS))
+
+
 def build_light_cache(
     occluders: Occluders,
     probes: SurfacePoints,
@@ -93,7 +98,7 @@ def build_light_cache(
     bytes a triangle. Closing the generator stops after the blocks in flight.
     """
     obscurance = obscurance or Obscurance()
-    wanted = int(np.clip(rays // RAYS_PER_CELL, FEWEST_CELLS, MOST_CELLS))
+    wanted = cells_wanted(rays)
     centre, reach = _box(occluders, probes)
     with Workers(threads) as workers:
         trace = CellRays(occluders, extent, obscurance, seed, workers)

@@ -33,12 +33,13 @@ class Progress:
 class Pace:
     """How fast work goes, from its progress. ``now`` is the clock, in seconds."""
 
-    # Before this part of the work, or this many seconds, nothing can be said.
-    LEAST_FRACTION, LEAST_SECONDS = 0.02, 0.5
+    # Nothing is said before so many seconds, nor before this part of the work while it is not that long yet.
+    LEAST_SECONDS, LEAST_FRACTION, LONG = 0.5, 0.02, 3.0
 
     def __init__(self, now: Callable[[], float] = time.perf_counter):
         self._now = now
-        self._started = now()
+        # When the work had come how far, that is first known: reading the scene before that says nothing of the rest.
+        self._first: tuple[float, float] | None = None
         self._first_ray: float | None = None
         self.left: float | None = None
         """Seconds to go; None while that is unknown."""
@@ -46,13 +47,16 @@ class Pace:
         """Rays a second since the first; None while there is none."""
 
     def __call__(self, progress: Progress) -> None:
-        elapsed = self._now() - self._started
-        if progress.fraction >= self.LEAST_FRACTION and elapsed >= self.LEAST_SECONDS:
-            self.left = elapsed * (1.0 / progress.fraction - 1.0)
+        now = self._now()
+        if progress.fraction > 0.0:
+            self._first = self._first or (now, progress.fraction)
+            elapsed, done = now - self._first[0], progress.fraction - self._first[1]
+            if done > 0.0 and elapsed >= (self.LEAST_SECONDS if done >= self.LEAST_FRACTION else self.LONG):
+                self.left = elapsed * (1.0 - progress.fraction) / done
         if progress.rays:
-            self._first_ray = elapsed if self._first_ray is None else self._first_ray
-            if elapsed > self._first_ray:
-                self.rate = progress.rays / (elapsed - self._first_ray)
+            self._first_ray = self._first_ray or now
+            if now > self._first_ray:
+                self.rate = progress.rays / (now - self._first_ray)
 
     def text(self) -> str:
         """Both in one line, empty while neither is known."""

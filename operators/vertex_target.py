@@ -17,7 +17,7 @@ from .mesh_reader import linear_inverse, read, read_corner_vertices, read_positi
 from .names import ALL_CHANNELS, CHANNELS
 from .nearest_point import nearest_points
 from .report import BakeError, ObjectReport, statistics
-from .tracer import LIGHT_SHARE, Tracer
+from .tracer import Tracer
 
 # Modifiers that keep the original vertices, in their order: before new ones, and without new ones.
 SUBDIVIDE = {"SUBSURF", "MULTIRES"}
@@ -82,8 +82,8 @@ def bake_vertices(
             f"surface, {away}"
         )
     starts = SurfacePoints(points.positions, points.normals)
-    cache = yield from mapped(tracer.light(starts, len(starts), points.extent), lambda done: LIGHT_SHARE * done)
-    begin = LIGHT_SHARE if cache else 0.0
+    begin = tracer.light_share(len(starts))
+    cache = yield from mapped(tracer.light(starts, len(starts), points.extent), lambda done: begin * done)
     tracing = tracer.visibility(starts, points.extent, cache)
     visibility = yield from mapped(tracing, lambda done: begin + (1.0 - begin) * done / report.points)
     report.f0 = statistics(visibility.f0)
