@@ -5,9 +5,12 @@ one that drives a whole generator, for callers that must not be kept waiting."""
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Generator, Sequence
+import sys
+from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
-from threading import Event
+from contextlib import contextmanager
+from contextvars import ContextVar
+from threading import Event, get_native_id
 from typing import Any, TypeVar
 
 Part = TypeVar("Part")
@@ -17,6 +20,10 @@ Result = TypeVar("Result")
 REPORT_EVERY = 0.05
 # Seconds that a step of in_thread waits for news, and that closing it waits for what cannot be stopped at once.
 NEWS_WITHIN, LINGER = 0.01, 0.3
+# Of threads that give way to a window, as the command nice has it.
+NICENESS = 10
+
+_gives_way: ContextVar[bool] = ContextVar("gives_way", default=False)
 
 
 class Workers:
@@ -103,9 +110,11 @@ def in_thread(work: Generator[Any, None, Result], start: Any = 0.0) -> Generator
     Blender's window can drive it. Closing this closes ``work`` where it yields next. What takes longer than LINGER to
     come there ends by itself, without a caller.
     """
-    latest, unwanted = [start], Event()
+    latest, unwanted, gives_way = [start], Event(), _gives_way.get()
 
     def run() -> Result:
+        if gives_way:
+            _lower_priority()
         try:
             while not unwanted.is_set():
                 latest[0] = next(work)
@@ -123,6 +132,24 @@ def in_thread(work: Generator[Any, None, Result], start: Any = 0.0) -> Generator
     finally:
         unwanted.set()
         pool.shutdown(wait=not wait([working], LINGER).not_done)
+
+
+@contextmanager
+def giving_way() -> Iterator[None]:
+    """In here :func:`in_thread` begins threads that leave the processor to the caller's whenever that has work, with
+    all threads that they begin. On Linux alone: elsewhere Python has no word for a thread's priority."""
+    before = _gives_way.set(True)
+    try:
+        yield
+    finally:
+        _gives_way.reset(before)
+
+
+def _lower_priority() -> None:
+    """Of the calling thread, whose own threads inherit it."""
+    if sys.platform == "linux":
+        thread = get_native_id()
+        os.setpriority(os.PRIO_PROCESS, thread, max(NICENESS, os.getpriority(os.PRIO_PROCESS, thread)))
 
 
 def calling(function: Callable[..., Result], *arguments: Any) -> Generator[float, None, Result]:

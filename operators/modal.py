@@ -16,6 +16,7 @@ from typing import Any
 
 import bpy
 
+from ..core.workers import giving_way
 from .progress import Pace, Progress, StderrProgress, drive
 from .report import BakeError
 
@@ -45,7 +46,7 @@ class Running:
         until = time.perf_counter() + STEP
         self.waits = self.progress.ready and context.mode != "OBJECT"
         # The work's own scene, whichever the window shows by now.
-        with context.temp_override(scene=self._scene, view_layer=self._view_layer):
+        with context.temp_override(scene=self._scene, view_layer=self._view_layer), giving_way():
             while not self.waits:
                 before, self.progress = self.progress, next(self._work)
                 self.pace(self.progress)
@@ -72,16 +73,18 @@ class Running:
             _running = None
 
     def text(self) -> str:
-        """What it is doing, and how far it is."""
-        if self.waits:
-            return f"{self.progress.name}: done, leave {_mode_name()} to store it"
-        return f"{int(100 * self.progress.fraction)} %  {self.progress.name}"
+        """How far it is."""
+        return "Done" if self.waits else f"{int(100 * self.progress.fraction)} %  {self.progress.name}"
+
+    def details(self) -> str:
+        """How fast it is and how long it will take, or what it waits for."""
+        return "Switch to Object Mode to store it" if self.waits else self.pace.text()
 
     def _show(self, context: bpy.types.Context) -> None:
         if context.workspace is not None:
             self._workspaces.add(context.workspace.name)
             context.workspace.status_text_set(
-                "    ".join(filter(None, (self.label, self.text(), self.pace.text(), "Esc: Cancel")))
+                "    ".join(filter(None, (self.label, self.text(), self.details(), "Esc: Cancel")))
             )
         self._redraw(context)
 
@@ -178,10 +181,6 @@ class MULTIBOUNCE_AO_OT_cancel(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         _running.end("Cancelled: nothing was changed")
         return {"FINISHED"}
-
-
-def _mode_name() -> str:
-    return bpy.context.mode.replace("_", " ").title()
 
 
 @bpy.app.handlers.persistent

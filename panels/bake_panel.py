@@ -47,7 +47,7 @@ class MULTIBOUNCE_AO_PT_bake(SidebarPanel, bpy.types.Panel):
         row.scale_y = 1.5
         row.progress(factor=run.progress.fraction, type="BAR", text=run.text())
         row.operator("multibounce_ao.cancel", text="", icon="CANCEL")
-        column.label(text=run.pace.text() or run.label)
+        column.label(text=run.details() or run.label)
 
     def _qualities(self, row: bpy.types.UILayout, current: int) -> None:
         for name, samples in SAMPLES.items():

@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Work shared among threads: all of it once, errors raised, the rest dropped when nobody asks for it."""
 
+import os
+import sys
 import threading
 import time
 
 import pytest
 
-from core.workers import LINGER, NEWS_WITHIN, Workers, calling, in_thread
+from core.workers import LINGER, NEWS_WITHIN, NICENESS, Workers, calling, giving_way, in_thread
 
 
 @pytest.mark.parametrize("threads", [1, 3])
@@ -122,3 +124,28 @@ def test_closing_does_not_wait_for_what_cannot_be_stopped():
     work.close()
     assert time.perf_counter() - began < LINGER + 2.0
     wake.set()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux has priorities of threads")
+def test_threads_give_way_to_the_caller_where_that_is_asked():
+    def priority():
+        return os.getpriority(os.PRIO_PROCESS, threading.get_native_id())
+
+    def work():
+        yield 0
+        with Workers(2) as workers:
+            return [priority(), *workers.map(lambda part: priority(), range(4))]
+
+    def priorities():
+        working = in_thread(work())
+        while True:
+            try:
+                next(working)
+            except StopIteration as finished:
+                return set(finished.value)
+
+    own = priority()
+    assert priorities() == {own}
+    with giving_way():
+        assert priorities() == {max(own, NICENESS)}
+    assert priorities() == {priority()} == {own}

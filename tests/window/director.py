@@ -21,7 +21,7 @@ sys.path[:0] = [str(tests), str(tests / "window")]
 from artist import running  # noqa: E402
 from scenes import SCENES  # noqa: E402
 
-POLL, MOST_SECONDS = 0.02, 20.0
+POLL, MOST_SECONDS = 0.02, 40.0
 
 
 def play() -> Generator[float | Callable[[], bool], None, None]:

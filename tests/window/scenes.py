@@ -76,7 +76,7 @@ def see_progress_and_cancel(folder):
     }
 
 
-def frame_times(seconds=2.0):
+def frame_times(seconds=1.5):
     """Median time between drawings of a view that turns, ms."""
     drawn = []
     handler = bpy.types.SpaceView3D.draw_handler_add(
@@ -156,7 +156,7 @@ def undo_while_baking(folder):
 def delete_while_baking(folder):
     """The other object is baked."""
     _, second = monkeys(2)
-    change_settings(target="VERTEX", samples=2**13)
+    change_settings(target="VERTEX", samples=2**10)
     start()
     yield at_work
     with in_viewport():
@@ -178,7 +178,7 @@ def edit_while_baking(folder):
     press("TAB")
     yield lambda: running() is not None and running().waits
     yield 0.3
-    text, mode = running().text(), bpy.context.mode
+    text, mode = running().details(), bpy.context.mode
     photograph(folder / "waiting.xwd")
     press("TAB")
     yield idle

@@ -80,7 +80,7 @@ def test_delete_while_baking(scene):
 
 def test_edit_while_baking(scene):
     assert scene["mode"] == "EDIT_MESH"
-    assert "done, leave Edit Mesh to store it" in scene["text"]
+    assert scene["text"] == "Switch to Object Mode to store it"
     assert scene["baked"] == [True, True]
 
 
