@@ -9,13 +9,14 @@ panels/        draws
 
 import bpy
 
-from .operators import command_line, occluder_cache, settings
+from .operators import command_line, modal, occluder_cache, settings
 from .operators.add_nodes import MULTIBOUNCE_AO_OT_add_curve_nodes, MULTIBOUNCE_AO_OT_add_nodes
 from .operators.apply_field import MULTIBOUNCE_AO_OT_apply_field
 from .operators.bake import MULTIBOUNCE_AO_OT_bake
 from .operators.bake_field import MULTIBOUNCE_AO_OT_bake_field
 from .operators.clear import MULTIBOUNCE_AO_OT_clear
 from .operators.fit_bounces import MULTIBOUNCE_AO_OT_clear_fit, MULTIBOUNCE_AO_OT_fit_bounces
+from .operators.modal import MULTIBOUNCE_AO_OT_cancel
 from .operators.project_world import (
     MULTIBOUNCE_AO_OT_add_world_light,
     MULTIBOUNCE_AO_OT_clear_world,
@@ -35,6 +36,7 @@ from .panels.world_panel import MULTIBOUNCE_AO_PT_world
 CLASSES = (
     settings.MultibounceAOSettings,
     MULTIBOUNCE_AO_OT_bake,
+    MULTIBOUNCE_AO_OT_cancel,
     MULTIBOUNCE_AO_OT_clear,
     MULTIBOUNCE_AO_OT_add_nodes,
     MULTIBOUNCE_AO_OT_add_curve_nodes,
@@ -61,9 +63,11 @@ def register() -> None:
     settings.add_to_scene()
     command_line.register()
     occluder_cache.register()
+    modal.register()
 
 
 def unregister() -> None:
+    modal.unregister()
     occluder_cache.unregister()
     command_line.unregister()
     settings.remove_from_scene()

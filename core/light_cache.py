@@ -74,6 +74,11 @@ class LightCache:
         return np.rint(sent / STEP) * STEP
 
 
+def cells_wanted(rays: int) -> int:
+    """How many cells the points of a bake that traces so many ``rays`` are to see."""
+    return int(np.clip(rays // RAYS_PER_CELL, FEWEST_CELLS, MOST_CELLS))
+
+
 def build_light_cache(
     occluders: Occluders,
     probes: SurfacePoints,
@@ -94,7 +99,7 @@ def build_light_cache(
     bytes a triangle, of which 24 stay. Closing the generator stops after the blocks in flight.
     """
     obscurance = obscurance or Obscurance()
-    wanted = int(np.clip(rays // RAYS_PER_CELL, FEWEST_CELLS, MOST_CELLS))
+    wanted = cells_wanted(rays)
     centre, reach = _box(occluders, probes)
     with Workers(threads) as workers:
         faces = Faces.of(occluders, workers)

@@ -3,12 +3,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
+
 import bpy
 
 from .bake_job import bake
+from .modal import LongOperator
 from .poll import object_mode_with
-from .progress import Progress, StderrProgress, drive
-from .report import BakeError, ObjectReport, count_text
+from .progress import Progress
+from .report import ObjectReport, count_text
 from .settings import BakeSettings
 
 
@@ -18,7 +21,7 @@ def selected_meshes(context: bpy.types.Context) -> list[bpy.types.Object]:
     return sorted(meshes, key=lambda obj: obj != context.active_object)
 
 
-class MULTIBOUNCE_AO_OT_bake(bpy.types.Operator):
+class MULTIBOUNCE_AO_OT_bake(LongOperator, bpy.types.Operator):
     """Bake ambient occlusion and the light of many bounces for the selected meshes"""
 
     bl_idname = "multibounce_ao.bake"
@@ -30,21 +33,11 @@ class MULTIBOUNCE_AO_OT_bake(bpy.types.Operator):
         nothing = "No mesh is selected: select the objects to bake"
         return object_mode_with(cls, context, selected_meshes(context), nothing)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def work(self, context: bpy.types.Context) -> Generator[Progress, None, list[ObjectReport]]:
         settings = BakeSettings.of(context.scene)
-        work = bake(context, selected_meshes(context), settings, selected=context.selected_objects)
-        show = StderrProgress() if bpy.app.background else lambda step: _show_in_cursor(context, step)
-        context.window_manager.progress_begin(0, 100)
-        try:
-            reports = drive(work, show)
-        except BakeError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        finally:
-            context.window_manager.progress_end()
-        return self._tell(reports)
+        return bake(context, selected_meshes(context), settings, selected=context.selected_objects)
 
-    def _tell(self, reports: list[ObjectReport]) -> set[str]:
+    def tell(self, reports: list[ObjectReport]) -> set[str]:
         failed = [report.error for report in reports if report.error]
         baked = [report for report in reports if report.f0 and not report.error]
         for report in reports:
@@ -60,7 +53,3 @@ class MULTIBOUNCE_AO_OT_bake(bpy.types.Operator):
         names = f"'{baked[0].name}'" if len(baked) == 1 else f"{len(baked)} objects"
         self.report({"INFO"}, f"Baked {names}: {count_text(points)} points, {count_text(rays)} rays in {seconds:.1f} s")
         return {"FINISHED"}
-
-
-def _show_in_cursor(context: bpy.types.Context, step: Progress) -> None:
-    context.window_manager.progress_update(int(100 * step.fraction))

@@ -3,15 +3,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
+
 import bpy
 
 from .field_job import FieldReport, FieldSettings, bake_object_field
+from .modal import LongOperator
 from .poll import object_mode_with
-from .progress import StderrProgress, drive
-from .report import BakeError, count_text
+from .progress import Progress
+from .report import count_text
 
 
-class MULTIBOUNCE_AO_OT_bake_field(bpy.types.Operator):
+class MULTIBOUNCE_AO_OT_bake_field(LongOperator, bpy.types.Operator):
     """Bake what the active object blocks of the sky all around it, for it to darken whatever comes near"""
 
     bl_idname = "multibounce_ao.bake_field"
@@ -24,18 +27,10 @@ class MULTIBOUNCE_AO_OT_bake_field(bpy.types.Operator):
         nothing = "The active object is no mesh: make the one that casts the occlusion active"
         return object_mode_with(cls, context, [source] if source is not None else [], nothing)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        work = bake_object_field(context, field_source(context), FieldSettings.of(context.scene))
-        cursor = context.window_manager
-        show = StderrProgress() if bpy.app.background else lambda step: cursor.progress_update(int(100 * step.fraction))
-        cursor.progress_begin(0, 100)
-        try:
-            report = drive(work, show)
-        except BakeError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        finally:
-            cursor.progress_end()
+    def work(self, context: bpy.types.Context) -> Generator[Progress, None, FieldReport]:
+        return bake_object_field(context, field_source(context), FieldSettings.of(context.scene))
+
+    def tell(self, report: FieldReport) -> set[str]:
         for warning in report.warnings:
             self.report({"WARNING"}, f"'{report.name}': {warning}")
         self.report({"INFO"}, summary(report))

@@ -3,7 +3,9 @@
 
 scene -> occluders and sample points -> rays -> channels -> attributes or images -> material nodes. Unless asked
 otherwise everything is computed before anything is written, so closing the generator at any yield leaves the scene as
-it was.
+it was. What takes long runs in threads that know nothing of Blender's data. Between yields the artist may do anything
+but undo or open another file: what became of the objects is found out before they are read, and again before they are
+written.
 """
 
 from __future__ import annotations
@@ -17,7 +19,7 @@ import bpy
 import numpy as np
 
 from ..core.rays import Occluders
-from ..core.workers import mapped
+from ..core.workers import in_thread, mapped
 from .bake_record import record_bake
 from .bent_normal_map import read_bent_normal_map
 from .images import check_image_names, image_channels, output_folder
@@ -29,7 +31,7 @@ from .progress import Progress
 from .report import BakeError, ObjectReport
 from .settings import BakeSettings
 from .texture_target import TextureResult, bake_texture
-from .tracer import Tracer
+from .tracer import RayCount, Tracer
 from .uv_layout import uv_map_name
 from .vertex_target import VertexResult, bake_vertices, check_attribute_names, vertex_points
 
@@ -56,32 +58,59 @@ def bake(
     folder = output_folder(settings.output_directory) if settings.target == "TEXTURE" else ""
     reports = [ObjectReport(obj.name, settings.target, samples=settings.samples) for obj in objects]
     done: list[tuple[bpy.types.Object, ObjectReport, VertexResult | TextureResult | None]] = []
-    scenes = OccluderScenes(context, objects, selected, settings)
-    tracer = partial(Tracer, settings=settings, threads=threads)
+    scenes = OccluderScenes(context, objects, selected, settings, colours=settings.bounces == "RADIOSITY")
+    count = RayCount()
+    tracer = partial(Tracer, settings=settings, threads=threads, count=count)
     baked_meshes: dict[bpy.types.Mesh, ObjectReport] = {}
-    for index, (obj, report) in enumerate(zip(objects, reports, strict=True)):
+    ends = _ends(objects, settings.target)
+    for obj, report, begin, end in zip(objects, reports, [0.0, *ends], ends, strict=False):
+
+        def progress(part: float, name=report.name, begin=begin, end=end) -> Progress:
+            return Progress(begin + (end - begin) * part, name, count.rays)
+
         started = time.perf_counter()
-        yield Progress(index / len(objects), obj.name)
-        result = None
-        if settings.target == "VERTEX" and obj.data in baked_meshes:
-            _share(baked_meshes[obj.data], report, settings.bounces)
-        else:
-            work = _bake_object(context, obj, settings, folder, scenes, tracer, report, threads)
-            try:
-                result = yield from mapped(work, partial(_progress, index, len(objects), obj.name))
-            except BakeError as error:
-                report.error = f"Object '{obj.name}' {error}"
-                continue
-            baked_meshes[obj.data] = report
-            report.rays = report.points * settings.samples
+        yield progress(0.0)
+        try:
+            if settings.target == "VERTEX" and obj.data in baked_meshes:
+                result = None
+                _share(baked_meshes[obj.data], report, settings.bounces)
+            else:
+                work = _bake_object(context, obj, settings, folder, scenes, tracer, report, threads)
+                result = yield from mapped(work, progress)
+                baked_meshes[obj.data] = report
+                report.rays = report.points * settings.samples
+        except BakeError as error:
+            report.error = f"Object '{report.name}' {error}"
+            continue
+        except ReferenceError:
+            report.error = _deleted(report)
+            continue
         report.seconds = round(time.perf_counter() - started, 3)
         done.append((obj, report, result))
         if store_each:
             _store(*done.pop(), settings)
 
+    if done:
+        name = done[0][1].name if len(done) == 1 else f"{len(done)} objects"
+        yield Progress(1.0, name, count.rays, ready=True)
     for obj, report, result in done:
         _store(obj, report, result, settings)
     return reports
+
+
+def _ends(objects: list[bpy.types.Object], target: str) -> list[float]:
+    """The fraction of the whole bake that is done after each of ``objects``, by how many points it has: face corners,
+    or texels, which are as many for each. Meshes that are shared are baked once."""
+    seen, sizes = set(), []
+    for obj in objects:
+        corners = len(obj.data.loops) if obj.type == "MESH" else 0
+        sizes.append(1.0 if target == "TEXTURE" else 0.0 if obj.data in seen else max(1.0, corners))
+        seen.add(obj.data)
+    return list(np.cumsum(sizes) / max(1.0, np.sum(sizes)))
+
+
+def _deleted(report: ObjectReport) -> str:
+    return f"Object '{report.name}' was deleted while the bake was running: bring it back with undo, and bake again"
 
 
 def _share(baked: ObjectReport, report: ObjectReport, bounces: str) -> None:
@@ -91,10 +120,6 @@ def _share(baked: ObjectReport, report: ObjectReport, bounces: str) -> None:
         f"Shares its mesh with '{baked.name}', whose bake it shows: "
         "for its own, make it single-user (Object > Relations > Make Single User)"
     )
-
-
-def _progress(index: int, count: int, name: str, part: float) -> Progress:
-    return Progress((index + part) / count, name)
 
 
 def _bake_object(
@@ -109,9 +134,6 @@ def _bake_object(
 ) -> Generator[float, None, VertexResult | TextureResult]:
     """Compute the bake of one object; yields the fraction done. Raises BakeError."""
     check_object(obj, context.view_layer)
-    tracer = tracer(scenes.scene_for(obj, report.warnings))
-    if settings.bounces == "RADIOSITY":
-        tracer = replace(tracer, albedo=scenes.albedo(report.warnings))
     evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
     matrix = np.array(evaluated.matrix_world, np.float64)
     # Blender's mesh is only held while it is read: it may be gone after a yield.
@@ -119,14 +141,15 @@ def _bake_object(
         check_evaluated(mesh, matrix)
         if settings.target == "VERTEX":
             check_attribute_names(obj, settings.bounces)
-            work = bake_vertices(obj.data, vertex_points(obj, mesh, matrix), matrix, tracer, report)
+            bake_with, more = partial(bake_vertices, obj.data, vertex_points(obj, mesh, matrix), matrix), ()
         else:
             check_image_names(obj, image_channels(settings))
             uv_map = uv_map_name(mesh, settings.uv_map)
-            surface = read_surface(mesh, matrix, uv_map)
-            bent_normals = read_bent_normal_map(mesh, matrix, uv_map, settings)
-            work = bake_texture(obj, surface, uv_map, matrix, tracer, report, settings, folder, threads, bent_normals)
-    return (yield from work)
+            bake_with = partial(bake_texture, obj, read_surface(mesh, matrix, uv_map), uv_map, matrix)
+            more = settings, folder, threads, read_bent_normal_map(mesh, matrix, uv_map, settings)
+    tracer = tracer((yield from scenes.scene_for(obj, report.warnings)))
+    tracer = replace(tracer, albedo=scenes.albedo(report.warnings))
+    return (yield from in_thread(bake_with(tracer, report, *more)))
 
 
 def _store(
@@ -137,12 +160,17 @@ def _store(
 ) -> None:
     """Write the result, plug the nodes in, and leave the record of the bake on ``obj``; None: its mesh has it."""
     try:
+        if obj.data.is_editmode and settings.target == "VERTEX":
+            raise BakeError("is in Edit Mode: leave it, and bake again")
         if result is not None:
             report.outputs = result.write()
+        record_bake(obj, settings, report, result.uv_map if isinstance(result, TextureResult) else None)
+    except BakeError as error:
+        report.error = f"Object '{report.name}' {error}"
+    except ReferenceError:
+        report.error = _deleted(report)
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         report.error = (
-            f"Object '{obj.name}' cannot be stored in '{result.folder}' ({reason}): choose another output folder"
+            f"Object '{report.name}' cannot be stored in '{result.folder}' ({reason}): choose another output folder"
         )
-        return
-    record_bake(obj, settings, report, result.uv_map if isinstance(result, TextureResult) else None)

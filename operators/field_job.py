@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ..core.ao_field import AOField
 from ..core.field_bake import bake_field
 from ..core.rays import Occluders
-from ..core.workers import mapped
+from ..core.workers import in_thread, mapped
 from ..shader_nodes.ao_field import field_numbers
 from .field_outputs import name_images, store_images, write_field
 from .field_record import proportions_of, record_field
@@ -91,22 +91,18 @@ def bake_object_field(
     folder = output_folder(settings.output_directory)
     try:
         vertices, triangles, proportions = _read(context, obj, report.warnings)
-        work = bake_field(
-            Occluders(vertices, triangles),
-            vertices,
-            triangles,
-            resolution=settings.field_resolution,
-            samples=settings.samples,
-            radii=RADII,
-            volume=settings.use_field_volume,
-            seed=settings.seed,
-            threads=threads,
-        )
-        baked = yield from mapped(work, partial(Progress, name=obj.name))
+        work = _trace(vertices, triangles, settings, threads)
+        baked = yield from mapped(in_thread(work), partial(Progress, name=report.name))
+        yield Progress(1.0, report.name, ready=True)
+        check_object(obj, context.view_layer)
     except BakeError as error:
-        raise BakeError(f"Object '{obj.name}' {error}") from None
+        raise BakeError(f"Object '{report.name}' {error}") from None
     except ValueError as error:
-        raise BakeError(f"Object '{obj.name}' cannot be baked: {error}") from None
+        raise BakeError(f"Object '{report.name}' cannot be baked: {error}") from None
+    except ReferenceError:
+        raise BakeError(
+            f"Object '{report.name}' was deleted while the bake was running: bring it back with undo, and bake again"
+        ) from None
     report.points = (6 * (baked.resolution - 1) ** 2 + 2) * RADII  # faces share the texels on their edges
     report.rays = report.points * settings.samples
     report.a0, report.p = float(baked.a0), float(baked.p)
@@ -119,6 +115,26 @@ def bake_object_field(
         ) from None
     _store(obj, baked, settings, proportions, report, files, started)
     return report
+
+
+def _trace(
+    vertices: NDArray, triangles: NDArray, settings: FieldSettings, threads: int | None
+) -> Generator[float, None, AOField]:
+    yield 0.0
+    occluders = Occluders(vertices, triangles)
+    return (
+        yield from bake_field(
+            occluders,
+            vertices,
+            triangles,
+            resolution=settings.field_resolution,
+            samples=settings.samples,
+            radii=RADII,
+            volume=settings.use_field_volume,
+            seed=settings.seed,
+            threads=threads,
+        )
+    )
 
 
 def _read(

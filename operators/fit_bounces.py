@@ -3,17 +3,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
+
 import bpy
 
 from ..shader_nodes.multibounce_fit import STORED_FIT, show_fit
 from .fit_job import FitReport, fit_bounces
 from .fit_sources import FitSettings
+from .modal import LongOperator
 from .poll import object_mode_with
-from .progress import StderrProgress, drive
-from .report import BakeError, count_text
+from .progress import Progress
+from .report import count_text
 
 
-class MULTIBOUNCE_AO_OT_fit_bounces(bpy.types.Operator):
+class MULTIBOUNCE_AO_OT_fit_bounces(LongOperator, bpy.types.Operator):
     """Simulate light that bounces on the active mesh among its occluders, or on the height map, and fit its curves"""
 
     bl_idname = "multibounce_ao.fit_bounces"
@@ -26,19 +29,11 @@ class MULTIBOUNCE_AO_OT_fit_bounces(bpy.types.Operator):
         nothing = "The active object is no mesh: make one active, or choose a height map"
         return object_mode_with(cls, context, [source] if source is not None else [], nothing)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def work(self, context: bpy.types.Context) -> Generator[Progress, None, FitReport]:
         settings = FitSettings.of(context.scene)
-        work = fit_bounces(context, fit_source(context), settings, selected=context.selected_objects)
-        cursor = context.window_manager
-        show = StderrProgress() if bpy.app.background else lambda step: cursor.progress_update(int(100 * step.fraction))
-        cursor.progress_begin(0, 100)
-        try:
-            report = drive(work, show)
-        except BakeError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        finally:
-            cursor.progress_end()
+        return fit_bounces(context, fit_source(context), settings, selected=context.selected_objects)
+
+    def tell(self, report: FitReport) -> set[str]:
         for warning in report.warnings:
             self.report({"WARNING"}, f"'{report.name}': {warning}")
         self.report({"INFO"}, summary(report))

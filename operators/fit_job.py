@@ -13,11 +13,13 @@ from dataclasses import asdict, dataclass, field
 from functools import partial
 
 import bpy
+import numpy as np
+from numpy.typing import NDArray
 
 from ..core.bounce_curves import BounceCurves, BounceFit, bin_bounces, csv_text, fit_curves
 from ..core.curve_plot import draw_curves
 from ..core.simulation import Simulation
-from ..core.workers import mapped
+from ..core.workers import calling, in_thread, mapped
 from ..shader_nodes.multibounce_fit import STORED_FIT, show_fit
 from .curve_outputs import check_names, store_curves
 from .fit_sources import FitSettings, simulate_image, simulate_object
@@ -72,21 +74,25 @@ def fit_bounces(
     """
     started = time.perf_counter()
     report = FitReport.of(source, samples=settings.samples)
-    yield Progress(0.0, source.name)
+    kind = "Object" if report.source == "MESH" else "Image"
+    yield Progress(0.0, report.name)
     folder = output_folder(settings.output_directory)
     try:
         check_names(source, folder)
         simulation = yield from mapped(
             _simulate(context, source, settings, selected, report.warnings, threads),
-            partial(_progress, name=source.name),
+            partial(_progress, name=report.name),
         )
-        curves = bin_bounces(simulation)
-        fit = _fit(curves)
+        fitting = in_thread(calling(_fit, simulation, report.name))
+        curves, fit, plot = yield from mapped(fitting, lambda _: Progress(SIMULATION_SHARE, report.name))
+        yield Progress(1.0, report.name, ready=True)
+        check_names(source, folder)
     except BakeError as error:
-        raise BakeError(f"{'Object' if report.source == 'MESH' else 'Image'} '{source.name}' {error}") from None
-    yield Progress(SIMULATION_SHARE, source.name)
-    plot = draw_curves(curves, fit, f"{source.name}: light of each bounce against AO")
-    yield Progress(1.0, source.name)
+        raise BakeError(f"{kind} '{report.name}' {error}") from None
+    except ReferenceError:
+        raise BakeError(
+            f"{kind} '{report.name}' was deleted while it was simulated: bring it back with undo, and fit again"
+        ) from None
 
     report.points, report.bounces, report.bins = len(simulation.alpha), len(curves.mean) - 1, len(curves.ao)
     report.fit = asdict(fit)
@@ -121,11 +127,14 @@ def _simulate(
     return simulate_object(context, source, settings, selected, warnings, threads)
 
 
-def _fit(curves: BounceCurves) -> BounceFit:
+def _fit(simulation: Simulation, name: str) -> tuple[BounceCurves, BounceFit, NDArray[np.float32]]:
+    """The curves of a simulation, their fit, and the plot of both."""
+    curves = bin_bounces(simulation)
     try:
-        return fit_curves(curves)
+        fit = fit_curves(curves)
     except ValueError as error:
         raise BakeError(f"cannot be fitted: {error}") from None
+    return curves, fit, draw_curves(curves, fit, f"{name}: light of each bounce against AO")
 
 
 def _progress(part: float, name: str) -> Progress:

@@ -19,6 +19,7 @@ from ..core.rays import Occluders
 from ..core.sample_points import CornerTable
 from ..core.simulation import MOST_RAYS, Simulation, simulate_height_map, simulate_mesh
 from ..core.surface import Surface, extent_of, unit
+from ..core.workers import in_thread
 from .occluder_reader import read_occluders
 from .occluder_scenes import OccluderScenes
 from .report import BakeError
@@ -68,17 +69,35 @@ def simulate_object(
     depsgraph = context.evaluated_depsgraph_get()
     vertices, triangles, found = read_occluders(depsgraph, {obj})
     warnings += found
-    corners = CornerTable(_flat_surface(vertices, triangles))
-    if not corners.areas().sum() > 0.0:
-        raise BakeError("has no faces with an area: add some, or choose another object")
     scenes = OccluderScenes(context, [obj], selected, settings)
     others, other_triangles, found = read_occluders(depsgraph, scenes.owners_for(obj) - {obj})
     warnings += found
+    return (
+        yield from in_thread(
+            _simulate(vertices, triangles, others, other_triangles, scenes.ground_height, settings, threads)
+        )
+    )
+
+
+def _simulate(
+    vertices: NDArray[np.float64],
+    triangles: NDArray[np.int32],
+    others: NDArray[np.float64],
+    other_triangles: NDArray[np.int32],
+    ground_height: float | None,
+    settings: FitSettings,
+    threads: int | None,
+) -> Generator[float, None, Simulation]:
+    """Simulate ``triangles`` of ``vertices`` among ``other_triangles`` of ``others``."""
+    yield 0.0
+    corners = CornerTable(_flat_surface(vertices, triangles))
+    if not corners.areas().sum() > 0.0:
+        raise BakeError("has no faces with an area: add some, or choose another object")
     used = vertices[triangles].reshape(-1, 3)
     occluders = Occluders(
         np.concatenate((vertices, others)),
         np.concatenate((triangles, other_triangles + len(vertices))),
-        scenes.ground_height,
+        ground_height,
         centre=0.5 * (used.min(axis=0) + used.max(axis=0)),
     )
     return (
@@ -106,7 +125,8 @@ def simulate_image(
         )
         heights = area_mean(heights, shape)
     height_map = HeightMap(heights, settings.height_map_amplitude)
-    return (yield from simulate_height_map(height_map, samples=settings.samples, seed=settings.seed, threads=threads))
+    simulating = simulate_height_map(height_map, samples=settings.samples, seed=settings.seed, threads=threads)
+    return (yield from in_thread(simulating))
 
 
 def _flat_surface(vertices: NDArray[np.float64], triangles: NDArray[np.int32]) -> Surface:

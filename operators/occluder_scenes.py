@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Generator
 from typing import Protocol
 
 import bpy
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ..core.albedo import Albedo
 from ..core.rays import Occluders
+from ..core.workers import calling, in_thread
 from .base_color import read_albedo
 from .mesh_reader import evaluated_mesh, read_corner_vertices, read_positions, to_world
 from .occluder_cache import occluders_of
@@ -30,7 +31,8 @@ class OccluderSettings(Protocol):
 
 
 class OccluderScenes:
-    """The occluders of every object of a bake, read from the evaluated scene when first asked for.
+    """The occluders of every object of a bake, read from the evaluated scene when first asked for. Which objects these
+    are is settled at the start.
 
     What an object gets depends on nothing that is baked beside it, but for the ground plane.
     """
@@ -41,10 +43,16 @@ class OccluderScenes:
         objects: list[bpy.types.Object],
         selected: Collection[bpy.types.Object],
         settings: OccluderSettings,
+        *,
+        colours: bool = False,
     ):
+        """``colours``: read the base colours of what blocks light, too, for :meth:`albedo`."""
+        self._colours = colours
         self._context = context
         self._settings = settings
         self._rendered = rendered_objects(context.view_layer)
+        # Cycles' ray visibility, which its own AO follows too.
+        self._shadowing = {obj for obj in self._rendered if obj.visible_shadow}
         self._selected = {*selected, *objects}
         self._bounds: dict[bpy.types.Object, tuple[NDArray[np.float64], NDArray[np.float64]]] = {}
         heights = [self._bounds_of(obj)[0][2] for obj in objects] if settings.use_ground_plane else []
@@ -53,43 +61,46 @@ class OccluderScenes:
         # The last one only: objects that share it follow one another, and each may be as large as the scene.
         self._owners: frozenset[bpy.types.Object] = frozenset()
         self._scene: Occluders | None = None
-        self._built: frozenset[bpy.types.Object] = frozenset()
-        self._albedo: tuple[Albedo, list[str]] | None = None
+        self._albedo: Albedo | None = None
         self._warnings: list[str] = []
+        self._unread: list[str] = []
 
     def owners_for(self, obj: bpy.types.Object) -> frozenset[bpy.types.Object]:
         """Who blocks the rays of ``obj``, itself always among them."""
-        others = {"SELF": set(), "SELECTED": self._selected, "VISIBLE": self._shadowing()}[self._settings.occluders]
+        others = {"SELF": set(), "SELECTED": self._selected, "VISIBLE": self._shadowing}[self._settings.occluders]
         return frozenset({obj, *others})
 
-    def scene_for(self, obj: bpy.types.Object, warnings: list[str]) -> Occluders:
-        """What blocks the rays of ``obj``, always with itself; appends to ``warnings`` what its artist should know."""
+    def scene_for(self, obj: bpy.types.Object, warnings: list[str]) -> Generator[float, None, Occluders]:
+        """What blocks the rays of ``obj``, always with itself; appends to ``warnings`` what its artist should know.
+        Reads it in the first step; yields 0 while a scene is built."""
+        low, high = self._bounds_of(obj)
         if self._settings.occluders == "VISIBLE" and obj not in self._rendered:
             warnings.append("Disabled in renders: it was baked, and blocks no light on other objects")
         owners = self.owners_for(obj)
         if self._scene is None or owners != self._owners:
-            self._build(owners)
-        low, high = self._bounds_of(obj)
+            yield from self._build(owners)
         if np.isfinite(low).all():
             centre = 0.5 * (low + high)
             if np.abs(centre - self._scene.centre).max() > FAR * (high - low).max():
-                self._build(owners, centre)
+                yield from self._build(owners, centre)
         warnings += self._warnings
         return self._scene
 
-    def albedo(self, warnings: list[str]) -> Albedo:
-        """Base colours of the last scene that was given out; appends to ``warnings`` what could not be read."""
-        if self._albedo is None:
-            self._albedo = read_albedo(self._context.evaluated_depsgraph_get(), self._built)
-        albedo, unread = self._albedo
-        warnings += unread
-        return albedo
+    def albedo(self, warnings: list[str]) -> Albedo | None:
+        """Base colours of the last scene that was given out, None where they are not read; appends to ``warnings`` what
+        could not be read."""
+        warnings += self._unread
+        return self._albedo
 
-    def _build(self, owners: frozenset[bpy.types.Object], centre: NDArray | None = None) -> None:
+    def _build(
+        self, owners: frozenset[bpy.types.Object], centre: NDArray | None = None
+    ) -> Generator[float, None, None]:
         self._scene = self._albedo = None  # freed before the next is built
-        self._built = owners
-        vertices, triangles, self._warnings = read_occluders(self._context.evaluated_depsgraph_get(), owners)
-        self._scene = occluders_of(vertices, triangles, self.ground_height, centre)
+        depsgraph = self._context.evaluated_depsgraph_get()
+        vertices, triangles, self._warnings = read_occluders(depsgraph, owners)
+        if self._colours:  # in the same moment: its triangles are those
+            self._albedo, self._unread = read_albedo(depsgraph, owners)
+        self._scene = yield from in_thread(calling(occluders_of, vertices, triangles, self.ground_height, centre))
         # One that is centred on an object is for that object alone.
         self._owners = owners if centre is None else frozenset()
 
@@ -98,10 +109,6 @@ class OccluderScenes:
         if obj not in self._bounds:
             self._bounds[obj] = _bounds(self._context, obj)
         return self._bounds[obj]
-
-    def _shadowing(self) -> set[bpy.types.Object]:
-        """Rendered objects that cast shadows: Cycles' ray visibility, which its own AO follows too."""
-        return {obj for obj in self._rendered if obj.visible_shadow}
 
 
 def _bounds(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -5,11 +5,17 @@ from __future__ import annotations
 
 import bpy
 
+from .modal import running
+
 
 def object_mode_with(
     operator: type[bpy.types.Operator], context: bpy.types.Context, objects: list[bpy.types.Object], nothing: str
 ) -> bool:
-    """Whether ``context`` is in Object Mode and there are ``objects`` to work on; tells why not (``nothing``)."""
+    """Whether ``context`` is in Object Mode, there are ``objects`` to work on, and no bake is running; tells why not
+    (``nothing``)."""
+    if running() is not None:
+        operator.poll_message_set(f"{running().label} is running: wait for it, or press Esc to cancel it")
+        return False
     if context.mode != "OBJECT":
         operator.poll_message_set("Switch to Object Mode first")
         return False

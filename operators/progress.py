@@ -1,22 +1,76 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The progress of a bake: what is told, and to whom."""
+"""The progress of long work: what is told, how long it will take still, and to whom."""
 
 from __future__ import annotations
 
 import sys
+import time
 from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from typing import TypeVar
+
+from .report import count_text
 
 Result = TypeVar("Result")
 
 
 @dataclass(frozen=True)
 class Progress:
-    """``fraction`` of a whole bake in [0, 1] and the ``name`` of the object at work."""
+    """How far work is.
+
+    fraction  of the whole, in [0, 1], in proportion to time as far as that can be told before
+    name      of the object at work
+    rays      traced so far; 0 where they are not counted
+    ready     all is computed, and the next step writes it
+    """
 
     fraction: float
     name: str
+    rays: int = 0
+    ready: bool = False
+
+
+class Pace:
+    """How fast work goes, from its progress. ``now`` is the clock, in seconds."""
+
+    # Nothing is said before so many seconds, nor before this part of the work while it is not that long yet.
+    LEAST_SECONDS, LEAST_FRACTION, LONG = 0.5, 0.02, 3.0
+
+    def __init__(self, now: Callable[[], float] = time.perf_counter):
+        self._now = now
+        # When the work had come how far, that is first known: reading the scene before that says nothing of the rest.
+        self._first: tuple[float, float] | None = None
+        self._first_ray: float | None = None
+        self.left: float | None = None
+        """Seconds to go; None while that is unknown."""
+        self.rate: float | None = None
+        """Rays a second since the first; None while there is none."""
+
+    def __call__(self, progress: Progress) -> None:
+        now = self._now()
+        if progress.fraction > 0.0:
+            self._first = self._first or (now, progress.fraction)
+            elapsed, done = now - self._first[0], progress.fraction - self._first[1]
+            if done > 0.0 and elapsed >= (self.LEAST_SECONDS if done >= self.LEAST_FRACTION else self.LONG):
+                self.left = elapsed * (1.0 - progress.fraction) / done
+        if progress.rays:
+            self._first_ray = self._first_ray or now
+            if now > self._first_ray:
+                self.rate = progress.rays / (now - self._first_ray)
+
+    def text(self) -> str:
+        """Both in one line, empty while neither is known."""
+        parts = [f"{count_text(self.rate)} rays/s"] if self.rate else []
+        return ", ".join([*parts, f"{duration_text(self.left)} left"] if self.left is not None else parts)
+
+
+def duration_text(seconds: float) -> str:
+    """A time as people say it: 4 s, 2 min 10 s, 1 h 5 min."""
+    seconds = round(seconds)
+    minutes, hours = seconds // 60, seconds // 3600
+    if hours:
+        return f"{hours} h {minutes % 60} min"
+    return f"{minutes} min {seconds % 60} s" if minutes else f"{seconds} s"
 
 
 def drive(work: Generator[Progress, None, Result], show: Callable[[Progress], None]) -> Result:

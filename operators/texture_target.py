@@ -22,7 +22,7 @@ from .mesh_reader import linear_inverse
 from .names import BENT_NORMAL, CHANNELS
 from .report import BakeError, ObjectReport, statistics
 from .settings import BakeSettings
-from .tracer import LIGHT_SHARE, Tracer
+from .tracer import Tracer
 from .uv_layout import check_layout, expected_texels, overlaps
 
 # Texels whose channels a thread computes together.
@@ -79,9 +79,10 @@ def bake_texture(
     covered = np.zeros(size * size, bool)
     places = texel_places(settings.samples)
     corners = CornerTable(surface)
-    lighting = tracer.light(spread_points(corners, PROBES), expected_texels(triangle_uv, size), surface.extent)
-    cache = yield from mapped(lighting, lambda done: LIGHT_SHARE * done)
-    begin = LIGHT_SHARE if cache else 0.0
+    expected = expected_texels(triangle_uv, size)
+    begin = tracer.light_share(expected)
+    lighting = tracer.light(spread_points(corners, PROBES), expected, surface.extent)
+    cache = yield from mapped(lighting, lambda done: begin * done)
     for first, last in bands(size, size, places):
         texels = rasterise(triangle_uv, size, size, places, (first, last), threads)
         if not len(texels.texel):

@@ -11,27 +11,46 @@ from numpy.typing import NDArray
 
 from ..core.albedo import Albedo
 from ..core.channels import bent_cone, fitted_bounces, measured_bounces, radiosity
-from ..core.light_cache import LightCache, build_light_cache
+from ..core.light_cache import LightCache, build_light_cache, cells_wanted
 from ..core.rays import Obscurance, Occluders
 from ..core.sample_points import SamplePoints, SurfacePoints
 from ..core.sampling import hemisphere_pattern
 from ..core.visibility import Visibility, trace_visibility
+from ..core.workers import mapped
 from .names import CHANNELS
 from .settings import BakeSettings
 
-# Part of a bake that finding the light takes, for its progress.
-LIGHT_SHARE = 0.3
+
+@dataclass
+class RayCount:
+    """Rays that a whole bake has traced so far, from the points that it bakes."""
+
+    rays: int = 0
+
+
+# What finding the light of a cell costs, in rays of the bake: between 75 and 120 unless there are very few rays. Only
+# what is told of the progress depends on it.
+RAYS_OF_A_CELL = 100
 
 
 @dataclass(frozen=True)
 class Tracer:
-    """Traces against ``occluders`` as ``settings`` say, with so many ``threads`` (None: one a core); ``albedo`` is of
-    the occluders, for radiosity."""
+    """Traces against ``occluders`` as ``settings`` say, with so many ``threads`` (None: one a core); ``count`` goes on
+    as it does, and ``albedo`` is of the occluders, for radiosity."""
 
     occluders: Occluders
     settings: BakeSettings
     threads: int | None
+    count: RayCount
     albedo: Albedo | None = None
+
+    def light_share(self, points: int) -> float:
+        """Part of the time of a bake of so many ``points`` that :meth:`light` takes."""
+        if self.settings.bounces == "FITTED":
+            return 0.0
+        rays = points * self.settings.samples
+        light = RAYS_OF_A_CELL * cells_wanted(rays)
+        return light / (light + rays)
 
     def light(self, probes: SurfacePoints, points: int, extent: float) -> Generator[float, None, LightCache | None]:
         """The light around a bake of so many ``points`` that are like ``probes``; yields the fraction done. None where
@@ -47,7 +66,14 @@ class Tracer:
     ) -> Generator[int, None, Visibility]:
         """What ``points`` see; yields the number of those done. ``cache`` is what :meth:`light` returned."""
         pattern = hemisphere_pattern(self.settings.samples)
-        return trace_visibility(self.occluders, points, pattern, extent=extent, cache=cache, **self._common())
+        before = self.count.rays
+
+        def counted(done: int) -> int:
+            self.count.rays = before + done * self.settings.samples
+            return done
+
+        tracing = trace_visibility(self.occluders, points, pattern, extent=extent, cache=cache, **self._common())
+        return mapped(tracing, counted)
 
     def channels(self, visibility: Visibility, world_to_object: NDArray) -> dict[str, NDArray[np.float32]]:
         """What is stored of n points, by name, each (n, 4). ``world_to_object`` as for

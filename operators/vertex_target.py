@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.sample_points import CornerTable, SurfacePoints
-from ..core.surface import extent_of, unit
+from ..core.surface import Surface, extent_of, unit
 from ..core.workers import mapped
 from .mesh_reader import linear_inverse, read, read_corner_vertices, read_positions, read_surface, to_world
 from .names import ALL_CHANNELS, CHANNELS
 from .nearest_point import nearest_points
 from .report import BakeError, ObjectReport, statistics
-from .tracer import LIGHT_SHARE, Tracer
+from .tracer import Tracer
 
 # Modifiers that keep the original vertices, in their order: before new ones, and without new ones.
 SUBDIVIDE = {"SUBSURF", "MULTIRES"}
@@ -35,7 +35,8 @@ class VertexPoints:
     positions, normals  (k, 3) float64, world space
     element_point       (n,) int, the point of each element of the attribute ``domain``, "POINT" or "CORNER"
     extent              size of the surface, world units
-    moved               furthest that a vertex is from its point, or None where the mesh keeps its topology
+    topology            number of vertices of the mesh, and the vertex (c,) of each of its face corners
+    onto                the modified surface that the points are to be moved to; None where the mesh keeps its topology
     """
 
     positions: NDArray[np.float64]
@@ -43,19 +44,25 @@ class VertexPoints:
     element_point: NDArray[np.intp]
     domain: str
     extent: float
-    moved: float | None = None
+    topology: tuple[int, NDArray[np.int32]]
+    onto: Surface | None = None
 
 
 @dataclass(frozen=True)
 class VertexResult:
-    """Channels (n, 4) float32 of every vertex or face corner, ready to be stored on ``mesh``."""
+    """Channels (n, 4) float32 of every vertex or face corner, ready to be stored on ``mesh``; ``topology`` as in
+    :class:`VertexPoints`."""
 
     mesh: bpy.types.Mesh
     domain: str
     channels: dict[str, NDArray[np.float32]]
+    topology: tuple[int, NDArray[np.int32]]
 
     def write(self) -> list[str]:
-        """Store the attributes; returns their names."""
+        """Store the attributes; returns their names. Raises BakeError where the mesh was edited since it was read."""
+        vertices, corner_vertex = _topology(self.mesh)
+        if vertices != self.topology[0] or not np.array_equal(corner_vertex, self.topology[1]):
+            raise BakeError("was edited while it was baked: bake it again")
         for name, values in self.channels.items():
             write_attribute(self.mesh, name, self.domain, values)
         return list(self.channels)
@@ -66,20 +73,23 @@ def bake_vertices(
 ) -> Generator[float, None, VertexResult]:
     """Trace the ``points`` of ``mesh``, which ``matrix`` (4, 4) places in the world; yields the fraction done."""
     report.points = len(points.positions)
-    if points.moved is not None:
-        away = f"up to {points.moved:.3g} away" if points.moved > 1e-3 * points.extent else "where they lie on it"
+    if points.onto is not None:
+        yield 0.0
+        points, moved = _moved_onto(points, points.onto)
+        away = f"up to {moved:.3g} away" if moved > 1e-3 * points.extent else "where they lie on it"
         report.warnings.append(
             "Modifiers change the topology: the original vertices were baked at the nearest point of the modified "
             f"surface, {away}"
         )
     starts = SurfacePoints(points.positions, points.normals)
-    cache = yield from mapped(tracer.light(starts, len(starts), points.extent), lambda done: LIGHT_SHARE * done)
-    begin = LIGHT_SHARE if cache else 0.0
+    begin = tracer.light_share(len(starts))
+    cache = yield from mapped(tracer.light(starts, len(starts), points.extent), lambda done: begin * done)
     tracing = tracer.visibility(starts, points.extent, cache)
     visibility = yield from mapped(tracing, lambda done: begin + (1.0 - begin) * done / report.points)
     report.f0 = statistics(visibility.f0)
     channels = tracer.channels(visibility, linear_inverse(matrix))
-    return VertexResult(mesh, points.domain, {name: values[points.element_point] for name, values in channels.items()})
+    stored = {name: values[points.element_point] for name, values in channels.items()}
+    return VertexResult(mesh, points.domain, stored, points.topology)
 
 
 def vertex_points(obj: bpy.types.Object, evaluated: bpy.types.Mesh, matrix: NDArray) -> VertexPoints:
@@ -95,16 +105,15 @@ def vertex_points(obj: bpy.types.Object, evaluated: bpy.types.Mesh, matrix: NDAr
         return points_of(evaluated, matrix)
     surface = read_surface(evaluated, matrix)
     positions = surface.vertices[: len(mesh.vertices)] if _vertices_come_first(obj) else None
-    points = points_of(mesh, matrix, positions)
+    return replace(points_of(mesh, matrix, positions), onto=surface)
+
+
+def _moved_onto(points: VertexPoints, surface: Surface) -> tuple[VertexPoints, float]:
+    """``points`` at the nearest places of ``surface``, and how far the furthest was from there."""
     triangle, barycentric = nearest_points(points.positions, points.normals, surface)
     positions, normals = (each.T for each in CornerTable(surface).at(triangle, barycentric[:, 1], barycentric[:, 2]))
-    return replace(
-        points,
-        positions=positions,
-        normals=normals,
-        extent=surface.extent,
-        moved=float(np.linalg.norm(positions - points.positions, axis=1).max()),
-    )
+    moved = float(np.linalg.norm(positions - points.positions, axis=1).max())
+    return replace(points, positions=positions, normals=normals, extent=surface.extent, onto=None), moved
 
 
 def _vertices_come_first(obj: bpy.types.Object) -> bool:
@@ -121,7 +130,7 @@ def _vertices(mesh: bpy.types.Mesh, matrix: NDArray, positions: NDArray | None =
         positions = to_world(read_positions(mesh), matrix)
     normals = unit(read(mesh.vertex_normals, "vector", 3, np.float32) @ linear_inverse(matrix))
     extent = extent_of(positions, read_corner_vertices(mesh))
-    return VertexPoints(positions, normals, np.arange(len(positions)), "POINT", extent)
+    return VertexPoints(positions, normals, np.arange(len(positions)), "POINT", extent, _topology(mesh))
 
 
 def _corners(mesh: bpy.types.Mesh, matrix: NDArray, positions: NDArray | None = None) -> VertexPoints:
@@ -130,7 +139,11 @@ def _corners(mesh: bpy.types.Mesh, matrix: NDArray, positions: NDArray | None = 
     if positions is not None:
         surface = replace(surface, vertices=positions)
     positions, normals, corner_point = surface.split_vertices()
-    return VertexPoints(positions, normals, corner_point, "CORNER", surface.extent)
+    return VertexPoints(positions, normals, corner_point, "CORNER", surface.extent, _topology(mesh))
+
+
+def _topology(mesh: bpy.types.Mesh) -> tuple[int, NDArray[np.int32]]:
+    return len(mesh.vertices), read_corner_vertices(mesh)
 
 
 def check_attribute_names(obj: bpy.types.Object, bounces: str) -> None:

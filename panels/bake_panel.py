@@ -7,6 +7,7 @@ import textwrap
 
 import bpy
 
+from ..operators.modal import Running, running
 from ..operators.names import PROPERTY
 from ..operators.report import count_text
 from .sidebar import SidebarPanel
@@ -20,9 +21,13 @@ class MULTIBOUNCE_AO_PT_bake(SidebarPanel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         settings = context.scene.multibounce_ao
-        row = self.layout.row()
-        row.scale_y = 1.5
-        row.operator("multibounce_ao.bake", icon="RENDER_STILL")
+        run = running()
+        if run is not None:
+            self._progress(run)
+        else:
+            row = self.layout.row()
+            row.scale_y = 1.5
+            row.operator("multibounce_ao.bake", icon="RENDER_STILL")
 
         column = self._column(self.layout)
         column.row().prop(settings, "target", expand=True)
@@ -34,6 +39,15 @@ class MULTIBOUNCE_AO_PT_bake(SidebarPanel, bpy.types.Panel):
         row = self.layout.row(align=True)
         row.operator("multibounce_ao.add_nodes", text="Add Nodes", icon="NODE_MATERIAL")
         row.operator("multibounce_ao.clear", text="Clear", icon="TRASH")
+
+    def _progress(self, run: Running) -> None:
+        """Where the button was: what is at work, how far it is, and how to end it."""
+        column = self.layout.column(align=True)
+        row = column.row(align=True)
+        row.scale_y = 1.5
+        row.progress(factor=run.progress.fraction, type="BAR", text=run.text())
+        row.operator("multibounce_ao.cancel", text="", icon="CANCEL")
+        column.label(text=run.details() or run.label)
 
     def _qualities(self, row: bpy.types.UILayout, current: int) -> None:
         for name, samples in SAMPLES.items():

@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
 # get_blender.sh
 # Prints the path of a Blender for Linux x64, fetched once and kept outside the checkout: the official build,
-# or where that cannot be had, on Debian, the distribution's newest Blender with all it needs. That is unpacked
-# beside the system, whose packages and sources stay as they are, and runs in a mount namespace of its own.
+# or where that cannot be had, on Debian, the distribution's newest Blender with all it needs, a virtual display and
+# software GL for its window too. That is unpacked beside the system, whose packages and sources stay as they are, and
+# runs in a mount namespace of its own.
 set -euo pipefail
 version=${BLENDER_VERSION:-5.2.3}
 name=blender-$version-linux-x64 suite=sid
 cache=${XDG_CACHE_HOME:-$HOME/.cache}/multibounce-ao
-home=$cache/debian-$suite
+home=$cache/debian-$suite-window
 [ "$(uname -sm)" = "Linux x86_64" ] || { echo "install Blender and set BLENDER=/path/to/blender" >&2; exit 1; }
 mkdir -p "$cache"
 exec 9>"$cache/.lock"; flock 9   # two runs at once: the second waits and finds the first one's
@@ -28,7 +29,7 @@ official() {
 
 debian() {
   command -v apt-get >/dev/null && command -v unshare >/dev/null || return 1
-  echo "fetching $suite's Blender instead (about 320 MB)" >&2
+  echo "fetching $suite's Blender instead (about 400 MB)" >&2
   local apt=$home/apt root=$home/root
   rm -rf "$home"
   mkdir -p "$apt"/{lists/partial,cache/archives/partial,state,parts} "$root"/usr/{bin,sbin,lib,lib64}
@@ -49,7 +50,8 @@ X
   export APT_CONFIG=$apt/apt.conf
   apt-get -qq update >&2 || return 1
   apt-get -qq install -y --download-only blender python3-numpy python3-cattr python3-requests \
-    python3-zstandard dash coreutils >/dev/null || return 1
+    python3-zstandard dash coreutils xvfb x11-xkb-utils xkb-data libgl1 libegl1 libglx-mesa0 libegl-mesa0 \
+    libgl1-mesa-dri >/dev/null || return 1
 
   # Unpacked only: no package's script runs, so what those would have linked is linked here.
   local dir deb lib=$root/usr/lib/x86_64-linux-gnu

@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 from enable_extension import PACKAGE
 
-MULTIBOUNCE_AO, BENT_CONE = "Multibounce AO", "Bent Cone"
+MULTIBOUNCE_AO, BENT_CONE, RADIOSITY = "Multibounce AO", "Bent Cone", "Multibounce Radiosity"
 
 
 def operators(name: str) -> ModuleType:

@@ -13,6 +13,7 @@ from .fits import fit_generator, relief, report_of, set_heights, trench
 from .meshes import add, add_mesh, plate
 from .refusals import assert_one_sentence, error_of
 from .snapshot import differences, snapshot
+from .threads import assert_others_end
 
 
 def test_progress_rises():
@@ -33,7 +34,7 @@ def test_closing_on_the_way(until, tmp_path):
     work.close()
     assert differences(before, snapshot()) == []
     assert list(tmp_path.iterdir()) == []
-    assert set(threading.enumerate()) <= threads
+    assert_others_end(threads)
 
 
 def no_area():

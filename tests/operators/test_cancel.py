@@ -11,6 +11,7 @@ from .bakes import generator
 from .materials import textured_material
 from .meshes import plate
 from .snapshot import differences, snapshot
+from .threads import assert_others_end
 
 
 def begin(target, folder):
@@ -42,7 +43,7 @@ def test_closing_at_every_step(target, tmp_path):
         work.close()
         assert differences(before, snapshot()) == [], f"closed after step {last} of {steps}"
         assert list(tmp_path.iterdir()) == []
-        assert set(threading.enumerate()) <= threads
+        assert_others_end(threads)
 
 
 def test_a_bake_that_was_dropped_unfinished_leaves_no_thread():
@@ -50,4 +51,4 @@ def test_a_bake_that_was_dropped_unfinished_leaves_no_thread():
     work, _ = begin("VERTEX", "")
     next(work), next(work)
     del work
-    assert set(threading.enumerate()) <= threads
+    assert_others_end(threads)

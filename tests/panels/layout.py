@@ -75,8 +75,8 @@ class Layout:
                 chosen = SimpleNamespace(**dict.fromkeys(operator.get_rna_type().properties.keys()))
                 self.drawn.append(Drawn("operator", given["operator"], self, chosen))
                 return chosen
-            elif name == "label":
-                self.drawn.append(Drawn("label", given.get("text", ""), self))
+            elif name in ("label", "progress"):
+                self.drawn.append(Drawn(name, given.get("text", ""), self))
             elif name in ("row", "column", "split", "box", "grid_flow"):
                 return Layout(self.drawn, self)
             else:

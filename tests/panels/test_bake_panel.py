@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The sidebar: everything in it can be drawn, every setting can be reached, and what does not apply is greyed out."""
 
+import importlib
 import re
 
 import bpy
 import pytest
+from enable_extension import PACKAGE
 
 from .layout import draw
 
@@ -60,6 +62,23 @@ def test_every_setting_and_operator_is_there_once(panels, active):
 def test_the_button_comes_first(panels):
     first = everything(panels)[0]
     assert (first.kind, first.name) == ("operator", "multibounce_ao.bake")
+
+
+def test_progress_takes_the_place_of_the_button(panels, monkeypatch):
+    modal = importlib.import_module(f"{PACKAGE}.operators.modal")
+    progress = importlib.import_module(f"{PACKAGE}.operators.progress")
+    run = object.__new__(modal.Running)
+    run.progress, run.pace, run.waits = progress.Progress(0.425, "Suzanne"), progress.Pace(), False
+    run.label, run.pace.left, run.pace.rate = "Bake Multibounce AO", 61.0, 2.5e6
+    monkeypatch.setattr(modal, "_running", run)
+    bar, button, details = everything(panels)[:3]
+    assert (bar.kind, bar.name) == ("progress", "42 %  Suzanne")
+    assert (button.kind, button.name) == ("operator", "multibounce_ao.cancel")
+    assert details.name == "2.5 M rays/s, 1 min 1 s left"
+    with pytest.raises(RuntimeError, match="Bake Multibounce AO is running: wait for it, or press Esc"):
+        bpy.ops.multibounce_ao.bake()
+    run.waits = True
+    assert [thing.name for thing in everything(panels)[:3:2]] == ["Done", "Switch to Object Mode to store it"]
 
 
 def test_buttons_set_the_samples(panels):

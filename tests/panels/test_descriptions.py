@@ -38,10 +38,10 @@ def assert_tooltip(text):
     assert "\n" not in text
 
 
-@pytest.mark.parametrize("name", OPERATORS)
-def test_operators(name):
+@pytest.mark.parametrize(("name", "label"), [*OPERATORS.items(), ("cancel", "Cancel Bake")])
+def test_operators(name, label):
     rna = getattr(bpy.ops.multibounce_ao, name).get_rna_type()
-    assert rna.name == OPERATORS[name]
+    assert rna.name == label
     assert_tooltip(rna.description)
     # Settings live on the scene, so that the panel, scripts and the command line share them.
     assert {p.identifier for p in rna.properties} == {"rna_type"}
