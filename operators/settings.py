@@ -118,6 +118,27 @@ class MultibounceAOSettings(bpy.types.PropertyGroup):
         # Said since 4.5, which warns of "//" without it; 4.2 does not know the word.
         options={"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5, 0) else set(),
     )
+    color_depth: EnumProperty(
+        name="Color Depth",
+        description="Bits of each channel of the OpenEXR files. Packed images have full floats",
+        items=(
+            ("16", "Float (Half)", "16-bit floats: half the size, off by at most .00025"),
+            ("32", "Float (Full)", "32-bit floats: the very numbers"),
+        ),
+        default="32",
+    )
+    exr_codec: EnumProperty(
+        name="Codec",
+        description="Compression of the OpenEXR files. All of these keep every bit",
+        items=(
+            ("NONE", "None", "No compression"),
+            ("RLE", "RLE", "Lossless run length encoding compression"),
+            ("ZIPS", "ZIPS", "Lossless zip compression, each image row compressed separately"),
+            ("ZIP", "ZIP", "Lossless zip compression of 16 row image blocks"),
+            ("PIZ", "PIZ", "Lossless wavelet compression, effective for noisy images"),
+        ),
+        default="ZIP",
+    )
     height_map: PointerProperty(
         type=bpy.types.Image,
         name="Height Map",
@@ -161,6 +182,8 @@ class BakeSettings:
     margin: int
     uv_map: str
     output_directory: str
+    color_depth: str
+    exr_codec: str
 
     @classmethod
     def of(cls, scene: bpy.types.Scene) -> BakeSettings:

@@ -15,8 +15,9 @@ from ..core.margin import extend_margin
 from ..core.rasterise import bands, rasterise
 from ..core.sample_points import CornerTable, TexelPoints, spread_points, texel_places
 from ..core.surface import Surface
+from ..core.whole_files import whole_files
 from ..core.workers import Workers, mapped, slices
-from .images import file_path, store_image
+from .images import file_metadata, file_path, store_image
 from .mesh_reader import linear_inverse
 from .names import CHANNELS
 from .report import BakeError, ObjectReport, statistics
@@ -38,14 +39,23 @@ class TextureResult:
     obj: bpy.types.Object
     uv_map: str
     folder: str
+    settings: BakeSettings
     channels: dict[str, NDArray[np.float32]]
 
     def write(self) -> list[str]:
         """Store the images; returns their files or names. Raises OSError where a file cannot be written."""
         if self.folder:
-            # All files before any image: where one cannot be written, the .blend stays as it was.
-            for channel, pixels in self.channels.items():
-                write_exr(file_path(self.obj, channel, self.folder), pixels)
+            # All files before any of them takes its name, and before any image: where one cannot be written, the disk
+            # and the .blend stay as they were.
+            with whole_files(*(file_path(self.obj, channel, self.folder) for channel in self.channels)) as parts:
+                for part, (channel, pixels) in zip(parts, self.channels.items(), strict=True):
+                    write_exr(
+                        part,
+                        pixels,
+                        half=self.settings.color_depth == "16",
+                        codec=self.settings.exr_codec,
+                        metadata=file_metadata(self.obj, channel, self.uv_map, self.settings),
+                    )
         return [store_image(self.obj, channel, pixels, self.folder) for channel, pixels in self.channels.items()]
 
 
@@ -109,4 +119,4 @@ def bake_texture(
 
     images = {channel: pixels.reshape(size, size, 4) for channel, pixels in images.items()}
     extend_margin(list(images.values()), covered.reshape(size, size), settings.margin, threads)
-    return TextureResult(obj, uv_map, folder, images)
+    return TextureResult(obj, uv_map, folder, settings, images)

@@ -81,6 +81,10 @@ class MULTIBOUNCE_AO_PT_texture(SidebarPanel, bpy.types.Panel):
             column.prop(settings, "uv_map")
         # Bounce curves go there too, whatever the target.
         whole.prop(settings, "output_directory")
+        files = whole.column()
+        files.active = settings.target == "TEXTURE" and settings.output_directory != ""
+        files.prop(settings, "color_depth")
+        files.prop(settings, "exr_codec")
 
 
 class MULTIBOUNCE_AO_PT_result(SidebarPanel, bpy.types.Panel):

@@ -74,11 +74,14 @@ def test_buttons_set_the_samples(panels):
 
 def test_what_does_not_apply_is_grey(panels):
     settings = bpy.context.scene.multibounce_ao
-    of_textures = {"resolution", "margin", "uv_map"}
+    of_textures = {"resolution", "margin", "uv_map", "color_depth", "exr_codec"}
     settings.target, settings.max_distance = "VERTEX", 0
     shown = properties(everything(panels))
     assert {name for name, active in shown.items() if not active} == of_textures | {"falloff", "height_map_amplitude"}
     settings.target, settings.max_distance = "TEXTURE", 1
+    grey = {name for name, active in properties(everything(panels)).items() if not active}
+    assert grey == {"color_depth", "exr_codec", "height_map_amplitude"}  # packed, and no height map
+    settings.output_directory = "//maps"
     settings.height_map = bpy.data.images.new("Relief", 4, 4)
     assert all(properties(everything(panels)).values())
 
