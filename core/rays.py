@@ -130,6 +130,20 @@ class Occluders:
         away = OFFSET * extent * self.scale + OFFSET_PER_COORDINATE * np.abs(local).max(axis=0)
         return local + away * normals
 
+    def lift(self, origins: NDArray[np.float64], normals: NDArray, height: NDArray, extent: float) -> None:
+        """Move ``origins`` (3, ...) from :meth:`origins` in place along ``normals`` (3, ...), by ``height`` (...) in
+        world units, but at most half way to what is there. Less than the offset they have already is left out."""
+        height = height * self.scale
+        raised = np.nonzero(height > OFFSET * extent * self.scale)
+        if not len(raised[0]):
+            return
+        index = (slice(None), *raised)
+        rays = [np.ascontiguousarray(each[index].T, np.float32) for each in (origins, normals)]
+        free = self._first(*rays) if len(self.triangles) else np.full(len(rays[0]), np.inf)
+        if self.ground_height is not None:
+            free = np.minimum(free, self._ground(*rays) * self.scale)
+        origins[index] += np.minimum(height[raised], 0.5 * free) * normals[index]
+
     def visibility(
         self,
         origins: NDArray[np.float32],

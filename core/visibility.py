@@ -104,7 +104,10 @@ def trace_visibility(
 
         def prepare(part: slice) -> int:
             positions, normals = points.at(window[part])
-            start[part] = np.moveaxis(occluders.origins(positions, normals, extent), 0, 2)
+            origins, lift = occluders.origins(positions, normals, extent), points.lift(window[part])
+            if lift is not None:
+                occluders.lift(origins, normals, lift, extent)
+            start[part] = np.moveaxis(origins, 0, 2)
             frame[part] = carried_frames(normals, turns(number[part], seed))
             return 0
 

@@ -36,6 +36,7 @@ class VertexPoints:
     element_point       (n,) int, the point of each element of the attribute ``domain``, "POINT" or "CORNER"
     extent              size of the surface, world units
     moved               furthest that a vertex is from its point, or None where the mesh keeps its topology
+    lift                (k,) float64, see :class:`core.sample_points.SurfacePoints`
     """
 
     positions: NDArray[np.float64]
@@ -44,6 +45,7 @@ class VertexPoints:
     domain: str
     extent: float
     moved: float | None = None
+    lift: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True)
@@ -72,7 +74,7 @@ def bake_vertices(
             "Modifiers change the topology: the original vertices were baked at the nearest point of the modified "
             f"surface, {away}"
         )
-    starts = SurfacePoints(points.positions, points.normals)
+    starts = SurfacePoints(points.positions, points.normals, points.lift)
     cache = yield from mapped(tracer.light(starts, len(starts), points.extent), lambda done: LIGHT_SHARE * done)
     begin = LIGHT_SHARE if cache else 0.0
     tracing = tracer.visibility(starts, points.extent, cache)
@@ -97,13 +99,15 @@ def vertex_points(obj: bpy.types.Object, evaluated: bpy.types.Mesh, matrix: NDAr
     positions = surface.vertices[: len(mesh.vertices)] if _vertices_come_first(obj) else None
     points = points_of(mesh, matrix, positions)
     triangle, barycentric = nearest_points(points.positions, points.normals, surface)
-    positions, normals = (each.T for each in CornerTable(surface).at(triangle, barycentric[:, 1], barycentric[:, 2]))
+    corners, places = CornerTable(surface), (triangle, barycentric[:, 1], barycentric[:, 2])
+    positions, normals = (each.T for each in corners.at(*places))
     return replace(
         points,
         positions=positions,
         normals=normals,
         extent=surface.extent,
         moved=float(np.linalg.norm(positions - points.positions, axis=1).max()),
+        lift=corners.lift(*places),
     )
 
 
