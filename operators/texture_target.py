@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.exr import write_exr
+from ..core.fill import fill_texels
 from ..core.margin import extend_margin
 from ..core.rasterise import bands, rasterise
 from ..core.sample_points import CornerTable, TexelPoints, spread_points, texel_places
@@ -20,7 +21,7 @@ from ..core.workers import Workers, mapped, slices
 from .images import file_metadata, file_path, store_image
 from .mesh_reader import linear_inverse
 from .names import CHANNELS
-from .report import BakeError, ObjectReport, statistics
+from .report import BakeError, ObjectReport
 from .settings import BakeSettings
 from .tracer import LIGHT_SHARE, Tracer
 from .uv_layout import check_layout, expected_texels, overlaps
@@ -82,7 +83,7 @@ def bake_texture(
     world_to_object = linear_inverse(matrix)
     images = {channel: np.zeros((size * size, 4), np.float32) for channel in CHANNELS[settings.bounces]}
     f0 = []
-    covered = np.zeros(size * size, bool)
+    covered, known = np.zeros((2, size * size), bool)
     places = texel_places(settings.samples)
     corners = CornerTable(surface)
     lighting = tracer.light(spread_points(corners, PROBES), expected_texels(triangle_uv, size), surface.extent)
@@ -104,19 +105,22 @@ def bake_texture(
             for channel, values in tracer.channels(visibility[part], world_to_object).items():
                 images[channel][texel[part]] = values
             covered[texel[part]] = True
+            known[texel[part]] = True if visibility.buried is None else ~visibility.buried[part]
 
         with Workers(threads) as workers:
             workers.map(fill, slices(len(texels.texel), TEXELS_PER_PART))
         report.points += len(texels.texel)
-        f0.append(visibility.f0)
+        f0.append(visibility.f0 if visibility.buried is None else visibility.f0[~visibility.buried])
     if not report.points:
         raise BakeError(f"touches no texel in UV map '{uv_map}': pack its islands (UV > Pack Islands)")
     if overlaps(triangle_uv, report.points, size):
         report.warnings.append(
             f"UV map '{uv_map}' overlaps itself: where faces share texels, one of them decides their colour"
         )
-    report.f0 = statistics(np.concatenate(f0))
+    report.tell_f0(np.concatenate(f0), "texels")
 
     images = {channel: pixels.reshape(size, size, 4) for channel, pixels in images.items()}
-    extend_margin(list(images.values()), covered.reshape(size, size), settings.margin, threads)
+    covered, known = covered.reshape(size, size), known.reshape(size, size)
+    fill_texels(list(images.values()), covered, known)
+    extend_margin(list(images.values()), covered, settings.margin, threads)
     return TextureResult(obj, uv_map, folder, settings, images)

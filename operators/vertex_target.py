@@ -10,13 +10,14 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.fill import fill_points
 from ..core.sample_points import CornerTable, SurfacePoints
 from ..core.surface import extent_of, unit
 from ..core.workers import mapped
 from .mesh_reader import linear_inverse, read, read_corner_vertices, read_positions, read_surface, to_world
 from .names import ALL_CHANNELS, CHANNELS
 from .nearest_point import nearest_points
-from .report import BakeError, ObjectReport, statistics
+from .report import BakeError, ObjectReport
 from .tracer import LIGHT_SHARE, Tracer
 
 # Modifiers that keep the original vertices, in their order: before new ones, and without new ones.
@@ -79,9 +80,25 @@ def bake_vertices(
     begin = LIGHT_SHARE if cache else 0.0
     tracing = tracer.visibility(starts, points.extent, cache)
     visibility = yield from mapped(tracing, lambda done: begin + (1.0 - begin) * done / report.points)
-    report.f0 = statistics(visibility.f0)
     channels = tracer.channels(visibility, linear_inverse(matrix))
+    if visibility.buried is None or not visibility.buried.any():
+        report.tell_f0(visibility.f0, "points")
+    else:
+        known = ~visibility.buried
+        report.tell_f0(visibility.f0[known], "points")
+        fill_points(list(channels.values()), known, _edges(mesh, points))
     return VertexResult(mesh, points.domain, {name: values[points.element_point] for name, values in channels.items()})
+
+
+def _edges(mesh: bpy.types.Mesh, points: VertexPoints) -> NDArray[np.intp]:
+    """The ``points`` (e, 2) that stand for the ends of the faces' edges of ``mesh``."""
+    corner = points.element_point
+    if points.domain == "POINT":
+        corner = corner[read_corner_vertices(mesh)]
+    start = read(mesh.polygons, "loop_start", 1, np.int32)
+    following = np.arange(1, len(corner) + 1)
+    following[np.append(start[1:], len(corner)) - 1] = start
+    return np.column_stack((corner, corner[following]))
 
 
 def vertex_points(obj: bpy.types.Object, evaluated: bpy.types.Mesh, matrix: NDArray) -> VertexPoints:
