@@ -144,8 +144,8 @@ class CornerTable:
         self._positions = _corners_first(surface.vertices[surface.vertex_triangles])
         self._normals = _corners_first(surface.corner_normals[surface.triangles])
         self._terminator = Terminator(self._positions, self._normals)
-        corners = surface.vertices[surface.corner_vertex], surface.corner_normals
-        self._polygons = Polygons(*corners, surface.face_start, surface.face_size, surface.triangles[:, 0])
+        corners = surface.vertices[surface.corner_vertex]
+        self._polygons = Polygons(corners, surface.face_start, surface.face_size, surface.triangles[:, 0])
 
     def areas(self) -> NDArray[np.float64]:
         """Of the triangles, (m,)."""
@@ -179,10 +179,10 @@ class CornerTable:
         """How far along their normals rays from the points of :meth:`at` should start, (...); None: nowhere."""
         if self._terminator.is_flat:
             return None
-        lift = self._terminator.lift(triangle.astype(np.intp, copy=False), _inset(v), _inset(w))
+        highest, most = self._terminator.heights(triangle.astype(np.intp, copy=False), _inset(v), _inset(w))
         if self._polygons:
-            self._polygons.raise_lift(lift, triangle, *self.at(triangle, v, w))
-        return lift
+            self._polygons.raise_highest(highest, triangle, *self.at(triangle, v, w))
+        return np.maximum(np.minimum(highest, most, out=highest), 0.0, out=highest)
 
     @staticmethod
     def _interpolate(table, triangle, u, v, w) -> NDArray[np.float64]:

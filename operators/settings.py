@@ -107,6 +107,15 @@ class MultibounceAOSettings(bpy.types.PropertyGroup):
         soft_max=64,
         subtype="PIXEL",
     )
+    margin_type: EnumProperty(
+        name="Margin Type",
+        description="How the result is extended",
+        items=(
+            ("ADJACENT_FACES", "Adjacent Faces", "Use pixels from adjacent faces across UV seams"),
+            ("EXTEND", "Extend", "Extend border pixels outwards"),
+        ),
+        default="ADJACENT_FACES",
+    )
     uv_map: StringProperty(
         name="UV Map",
         description="UV map to bake into. Empty: the one that is active for rendering",
@@ -180,6 +189,7 @@ class BakeSettings:
     seed: int
     resolution: int
     margin: int
+    margin_type: str
     uv_map: str
     output_directory: str
     color_depth: str

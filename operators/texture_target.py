@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.adjacent_faces import AdjacentFaces
 from ..core.exr import write_exr
 from ..core.fill import fill_texels
 from ..core.margin import extend_margin
@@ -122,5 +123,8 @@ def bake_texture(
     images = {channel: pixels.reshape(size, size, 4) for channel, pixels in images.items()}
     covered, known = covered.reshape(size, size), known.reshape(size, size)
     fill_texels(list(images.values()), covered, known)
-    extend_margin(list(images.values()), covered, settings.margin, threads)
+    faces = None
+    if settings.margin and settings.margin_type == "ADJACENT_FACES":
+        faces = AdjacentFaces(triangle_uv, surface.vertex_triangles, size, size)
+    extend_margin(list(images.values()), covered, settings.margin, threads, faces)
     return TextureResult(obj, uv_map, folder, settings, images)

@@ -22,14 +22,14 @@ def points_on(count, triangles, seed=0):
 
 
 def as_defined(corners, normals, v, w):
-    """One point: the definition, in its own words."""
+    """One point: the definitions, in their own words."""
     weights = np.array((1 - v - w, v, w))
     point, normal = weights @ corners, weights @ normals
     normal /= np.linalg.norm(normal)
-    return max(0.0, max(min((c - point) @ normal, (c - point) @ n) for c, n in zip(corners, normals, strict=True)))
+    return max((corners - point) @ normal), sum(weights * ((corners - point) * normals).sum(axis=1))
 
 
-def test_as_defined():
+def test_heights_are_as_defined():
     random = np.random.default_rng(1)
     corners, normals = random.normal(size=(2, 50, 3, 3))
     normals += (0, 0, 3)
@@ -37,8 +37,14 @@ def test_as_defined():
     triangle, v, w = points_on(400, 50)
     table = Terminator(np.moveaxis(corners, 0, 2), np.moveaxis(normals, 0, 2))
     expected = [as_defined(corners[t], normals[t], *at) for t, *at in zip(triangle, v, w, strict=True)]
-    assert np.ptp(expected) > 0.5
-    np.testing.assert_allclose(table.lift(triangle, v, w), expected, atol=2e-5)
+    assert np.ptp(expected, axis=0).min() > 0.5
+    np.testing.assert_allclose(np.transpose(table.heights(triangle, v, w)), expected, atol=2e-5)
+
+
+def lift_of(corners, normals, v, w):
+    """What :meth:`CornerTable.lift` makes of it, on one triangle."""
+    heights = Terminator(corners[..., None], normals[..., None]).heights(np.zeros(len(v), np.intp), v, w)
+    return np.maximum(np.minimum(*heights), 0)
 
 
 def triangles_about_z(lean):
@@ -49,19 +55,26 @@ def triangles_about_z(lean):
 
 
 def test_bulging_triangles_lie_below_and_hollow_ones_are_left():
-    triangle, v, w = points_on(1000, 1)
+    _, v, w = points_on(1000, 1)
     weights = np.column_stack((1 - v - w, v, w))
     for lean in (0.05, 0.5, 1.0):
         corners, normals = triangles_about_z(lean)
         normal = weights @ normals
         normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-        lift = Terminator(corners[..., None], normals[..., None]).lift(triangle, v, w)
+        lift = lift_of(corners, normals, v, w)
         start = weights @ corners + lift[:, None] * normal
         above = np.einsum("cx,nx->nc", corners, normal) - (start * normal).sum(axis=1)[:, None]
         assert above.max() < 1e-6  # the whole triangle is below the hemisphere ...
         assert (above.max(axis=1) > -1e-6).mean() > 0.9  # ... and its highest corner just below
         corners, normals = triangles_about_z(-lean)
-        assert Terminator(corners[..., None], normals[..., None]).lift(triangle, v, w).max() < 1e-6
+        assert lift_of(corners, normals, v, w).max() < 1e-6
+
+
+def test_between_a_ridge_and_a_furrow_nothing_is_lifted():
+    """Their normals are one: the curved surface passes through the middle of the face."""
+    corners = np.array([(0.0, 0, 0), (1, 0, 1), (0, 1, 0)])
+    _, v, w = points_on(100, 1)
+    assert lift_of(corners, np.tile((0.0, 0, 1), (3, 1)), v, w).max() < 1e-6
 
 
 def test_flat_shading_needs_none():

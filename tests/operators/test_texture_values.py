@@ -113,12 +113,12 @@ def test_margin(margin):
 
 
 def test_margin_takes_the_nearest_value():
-    """Two islands, a black and a white one: the border between them lies half-way."""
+    """Two islands, a black and a white one: with "Extend" the border between them lies half-way."""
     obj = plate("Floor", steps=2)
     corners = positions(obj)[:, 0]
     box(low=(0, -2, -1), high=(2, 2, 1), inward=True)
     obj.data.uv_layers[0].uv.foreach_set("vector", halves_apart(obj, corners).ravel())
-    bake_texture(obj, margin=16, ignore_backfaces=True)
+    bake_texture(obj, margin=16, margin_type="EXTEND", ignore_backfaces=True)
     dark = texture(obj)[..., 0] == 0
     np.testing.assert_array_equal(dark, np.tile(np.arange(16) >= 8, (16, 1)))
 

@@ -74,7 +74,7 @@ def test_buttons_set_the_samples(panels):
 
 def test_what_does_not_apply_is_grey(panels):
     settings = bpy.context.scene.multibounce_ao
-    of_textures = {"resolution", "margin", "uv_map", "color_depth", "exr_codec"}
+    of_textures = {"resolution", "margin", "margin_type", "uv_map", "color_depth", "exr_codec"}
     settings.target, settings.max_distance = "VERTEX", 0
     shown = properties(everything(panels))
     assert {name for name, active in shown.items() if not active} == of_textures | {"falloff", "height_map_amplitude"}

@@ -63,7 +63,7 @@ def test_settings_are_those_of_the_contract():
         "use_ground_plane": False, "ignore_backfaces": False, "bounces": "BAKED", "use_material_nodes": True,
         "seed": 0, "resolution": 1024, "margin": 16, "uv_map": "", "output_directory": "", "height_map": None,
         "height_map_amplitude": pytest.approx(0.04), "field_resolution": 16,
-        "color_depth": "32", "exr_codec": "ZIP",
+        "color_depth": "32", "exr_codec": "ZIP", "margin_type": "ADJACENT_FACES",
     }  # fmt: skip
     assert {p.identifier: getattr(p, "default", None) for p in settings()} == defaults
     choices = {p.identifier: [item.identifier for item in p.enum_items] for p in settings() if p.type == "ENUM"}
@@ -73,6 +73,7 @@ def test_settings_are_those_of_the_contract():
         "occluders": ["SELF", "SELECTED", "VISIBLE"],
         "bounces": ["FITTED", "BAKED", "RADIOSITY"],
         "color_depth": ["16", "32"],
+        "margin_type": ["ADJACENT_FACES", "EXTEND"],
         "exr_codec": ["NONE", "RLE", "ZIPS", "ZIP", "PIZ"],
     }
 
