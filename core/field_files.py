@@ -16,13 +16,13 @@ least.
 from __future__ import annotations
 
 import json
-import os
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .ao_field import AOField, FieldVolume
+from .whole_files import whole_files
 
 # Of the files' layout: a reader refuses what it does not know.
 VERSION = 1
@@ -50,26 +50,17 @@ def save_field(field: AOField, folder: str | Path, name: str) -> list[Path]:
         slices = field.volume.values.transpose(2, 1, 0, 3).astype(np.float16)
         images["volume"] = slices.reshape(-1, *slices.shape[2:])
     files = {key: f"{name}_ao_field_{key}.exr" for key in images}
-    unfinished: dict[Path, Path] = {}
+    finals = [folder / each for each in (*files.values(), f"{name}_ao_field.json")]
     try:
-        for key, pixels in images.items():
-            final = folder / files[key]
-            unfinished[final] = final.with_name(f".{final.name}.{os.getpid()}.part.exr")
-            _write(unfinished[final], pixels, is_cube=key != "volume")
-        final = folder / f"{name}_ao_field.json"
-        unfinished[final] = final.with_name(f".{final.name}.{os.getpid()}.part")
-        text = json.dumps(_described(field, files), indent=2) + "\n"
-        unfinished[final].write_text(text, encoding="utf-8")
-        for final, part in unfinished.items():
-            os.replace(part, final)
+        with whole_files(*finals) as parts:
+            for part, (key, pixels) in zip(parts, images.items(), strict=False):
+                _write(part, pixels, is_cube=key != "volume")
+            parts[-1].write_text(json.dumps(_described(field, files), indent=2) + "\n", encoding="utf-8")
     except RuntimeError as error:
         raise OSError(f"cannot write the AO field {name} into {folder}: {error}") from error
-    finally:
-        for part in unfinished.values():
-            part.unlink(missing_ok=True)
     if field.volume is None:
         (folder / f"{name}_ao_field_volume.exr").unlink(missing_ok=True)
-    return list(unfinished)
+    return finals
 
 
 def load_field(path: str | Path) -> AOField:

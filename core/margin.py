@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The margin around UV islands: texels outside take the value of the nearest texel inside."""
+"""The margin around UV islands: texels outside take the value of the nearest texel inside, or of the face across the
+seam."""
 
 from __future__ import annotations
 
@@ -8,19 +9,27 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from .adjacent_faces import AdjacentFaces, bilinear
 from .workers import Workers
 
 ROWS_PER_PART = 128  # of the image, what a thread works on at least
+# Of a lookup across a seam so much must fall on texels that are covered.
+ENOUGH = 0.5
 
 
 def extend_margin(
-    images: Sequence[NDArray], covered: NDArray[np.bool_], margin: int, threads: int | None = None
+    images: Sequence[NDArray],
+    covered: NDArray[np.bool_],
+    margin: int,
+    threads: int | None = None,
+    faces: AdjacentFaces | None = None,
 ) -> None:
-    """Fill each of ``images`` (h, w, c) in place up to ``margin`` texels past ``covered`` (h, w), Blender's
-    "Extend". ``threads``, default one a core, change nothing of the result."""
+    """Fill each of ``images`` (h, w, c) in place up to ``margin`` texels past ``covered`` (h, w): Blender's "Extend".
+    With ``faces`` it is "Adjacent Faces", where there is one. ``threads``, default one a core, change nothing of the
+    result."""
     from scipy.ndimage import distance_transform_edt
 
-    if margin <= 0 or covered.all() or not covered.any():
+    if not images or margin <= 0 or covered.all() or not covered.any():
         return
     rows = max(ROWS_PER_PART, 2 * margin)
 
@@ -37,8 +46,13 @@ def extend_margin(
         away = np.square(from_row - (row + inner.start)) + np.square(from_column - column)
         rim = away <= margin * margin
         row, column, from_row, from_column = row[rim] + first, column[rim], from_row[rim] + low, from_column[rim]
+        across = None if faces is None else faces.beyond(column + 0.5, row + 0.5)
         for image in images:
             image[row, column] = image[from_row, from_column]
+            if across is not None:
+                values, share = bilinear(image, covered, across)
+                found = np.flatnonzero(share > ENOUGH)
+                image[row[found], column[found]] = values[found]
 
     with Workers(threads) as workers:
         workers.map(extend, range(0, len(covered), rows))

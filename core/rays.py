@@ -8,10 +8,13 @@ what is baked lies about the origin, where that is finest, wherever it is in the
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+
+from .closed_parts import in_closed_parts
 
 Falloff = Literal["NONE", "LINEAR", "SMOOTH"]
 
@@ -115,6 +118,11 @@ class Occluders:
             # The first ray has Embree build its tree: here, not under the first of many threads.
             self._scene.run(np.zeros((1, 3), np.float32), np.ones((1, 3), np.float32), query="OCCLUDED")
 
+    @cached_property
+    def _is_closed(self) -> NDArray[np.bool_]:
+        """(m,): few scenes ask for it. Two threads that do so together find the same."""
+        return in_closed_parts(self.triangles, len(self.vertices))
+
     def origins(self, positions: NDArray, normals: NDArray, extent: float) -> NDArray[np.float64]:
         """Where rays start (3, ...), in the units that Embree sees: just off the surface at world ``positions``
         (3, ...), along unit ``normals``.
@@ -129,6 +137,20 @@ class Occluders:
         """As :meth:`origins`, for positions ``local`` that are in Embree's units already."""
         away = OFFSET * extent * self.scale + OFFSET_PER_COORDINATE * np.abs(local).max(axis=0)
         return local + away * normals
+
+    def lift(self, origins: NDArray[np.float64], normals: NDArray, height: NDArray, extent: float) -> None:
+        """Move ``origins`` (3, ...) from :meth:`origins` in place along ``normals`` (3, ...), by ``height`` (...) in
+        world units, but at most half way to what is there. Less than the offset they have already is left out."""
+        height = height * self.scale
+        raised = np.nonzero(height > OFFSET * extent * self.scale)
+        if not len(raised[0]):
+            return
+        index = (slice(None), *raised)
+        rays = [np.ascontiguousarray(each[index].T, np.float32) for each in (origins, normals)]
+        free = self._first(*rays) if len(self.triangles) else np.full(len(rays[0]), np.inf)
+        if self.ground_height is not None:
+            free = np.minimum(free, self._ground(*rays) * self.scale)
+        origins[index] += np.minimum(height[raised], 0.5 * free) * normals[index]
 
     def visibility(
         self,
@@ -199,6 +221,16 @@ class Occluders:
                 hits.visible[hits.distance > obscurance.max_distance * self.scale] = 1.0
         hits.triangle[hits.visible == 1.0] = -1
         return hits
+
+    def see_inside(self, origins: NDArray[np.float32], directions: NDArray[np.float32]) -> NDArray[np.bool_]:
+        """Whether the first that each ray (r, 3) meets is the inside of something closed."""
+        if not len(origins):
+            return np.zeros(0, bool)
+        hits = self.hits(origins, directions, Obscurance())
+        inside = hits.behind & (hits.triangle >= 0)
+        if inside.any():
+            inside[inside] = self._is_closed[hits.triangle[inside]]
+        return inside
 
     def _first_front(self, origins, directions) -> Hits:
         """What each ray meets first from the front; it goes on through faces that it hits from behind."""

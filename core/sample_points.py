@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from .morton import morton_order
 from .rasterise import Texels
 from .surface import INSET, Surface
+from .terminator import Polygons, Terminator
 
 # Side of the square of texels that is traced together: most of its texels lie on one piece of the surface.
 TILE = 32
@@ -41,18 +42,24 @@ class SamplePoints(Protocol):
     def at(self, block: NDArray[np.intp]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """World positions and unit normals, each (3, b, places), of the points (b,)."""
 
+    def lift(self, block: NDArray[np.intp]) -> NDArray[np.float64] | None:
+        """How far along those normals rays should start, (b, places) world units (:mod:`core.terminator`); None:
+        nowhere."""
+
 
 class SurfacePoints:
     """One place a point.
 
     positions, normals  (n, 3) float, world space; normals of unit length
+    lift                (n,) float, how far along the normals rays start, or None
     """
 
     places = 1
 
-    def __init__(self, positions: NDArray, normals: NDArray):
+    def __init__(self, positions: NDArray, normals: NDArray, lift: NDArray | None = None):
         self.positions = np.asarray(positions, np.float64)
         self.normals = np.asarray(normals, np.float64)
+        self._lift = lift
 
     def __len__(self) -> int:
         return len(self.positions)
@@ -65,6 +72,9 @@ class SurfacePoints:
 
     def at(self, block: NDArray[np.intp]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         return self.positions[block].T[:, :, None], self.normals[block].T[:, :, None]
+
+    def lift(self, block: NDArray[np.intp]) -> NDArray[np.float64] | None:
+        return None if self._lift is None else self._lift[block][:, None]
 
 
 class TexelPoints:
@@ -87,8 +97,14 @@ class TexelPoints:
         return self._texels.texel[block]
 
     def at(self, block: NDArray[np.intp]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        return self._corners.at(*self._places(block))
+
+    def lift(self, block: NDArray[np.intp]) -> NDArray[np.float64] | None:
+        return self._corners.lift(*self._places(block))
+
+    def _places(self, block: NDArray[np.intp]) -> tuple[NDArray[np.int32], NDArray[np.float64], NDArray[np.float64]]:
         v, w = np.moveaxis(self._texels.weights[block], 2, 0).astype(np.float64)
-        return self._corners.at(self._texels.triangle[block], v, w)
+        return self._texels.triangle[block], v, w
 
 
 def spread_points(corners: CornerTable, count: int) -> SurfacePoints:
@@ -127,6 +143,9 @@ class CornerTable:
     def __init__(self, surface: Surface):
         self._positions = _corners_first(surface.vertices[surface.vertex_triangles])
         self._normals = _corners_first(surface.corner_normals[surface.triangles])
+        self._terminator = Terminator(self._positions, self._normals)
+        corners = surface.vertices[surface.corner_vertex]
+        self._polygons = Polygons(corners, surface.face_start, surface.face_size, surface.triangles[:, 0])
 
     def areas(self) -> NDArray[np.float64]:
         """Of the triangles, (m,)."""
@@ -138,7 +157,7 @@ class CornerTable:
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Positions and unit normals, each (3, ...), at the barycentric weights ``v`` and ``w`` of the second and third
         corner, kept off the triangles' edges by :data:`INSET`. All arguments have one shape (...)."""
-        v, w = (1.0 - INSET) * v + INSET / 3.0, (1.0 - INSET) * w + INSET / 3.0
+        v, w = _inset(v), _inset(w)
         u = 1.0 - v - w
         triangle = triangle.astype(np.intp, copy=False)
         positions, normals = self._interpolate(self._positions, triangle, u, v, w), None
@@ -154,6 +173,17 @@ class CornerTable:
         normals[2][length < 1e-30] = 1.0
         return positions, normals
 
+    def lift(
+        self, triangle: NDArray[np.integer], v: NDArray[np.float64], w: NDArray[np.float64]
+    ) -> NDArray[np.float64] | None:
+        """How far along their normals rays from the points of :meth:`at` should start, (...); None: nowhere."""
+        if self._terminator.is_flat:
+            return None
+        highest, most = self._terminator.heights(triangle.astype(np.intp, copy=False), _inset(v), _inset(w))
+        if self._polygons:
+            self._polygons.raise_highest(highest, triangle, *self.at(triangle, v, w))
+        return np.maximum(np.minimum(highest, most, out=highest), 0.0, out=highest)
+
     @staticmethod
     def _interpolate(table, triangle, u, v, w) -> NDArray[np.float64]:
         (a, b, c), result = table, np.empty((3, *triangle.shape))
@@ -162,6 +192,10 @@ class CornerTable:
             result[axis] += b[axis].take(triangle) * v
             result[axis] += c[axis].take(triangle) * w
         return result
+
+
+def _inset(weight: NDArray[np.float64]) -> NDArray[np.float64]:
+    return (1.0 - INSET) * weight + INSET / 3.0
 
 
 def _corners_first(corners: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -33,6 +33,8 @@ RAYS_PER_BLOCK = 2**15
 # cache full of Embree's tree, so what needs many calls is done for many blocks together, in chunks.
 PLACES_PER_WINDOW = 2**18
 PLACES_PER_CHUNK = 2**13
+# Rays of a place in the dark that look whether it is inside of something.
+PROBES = 8
 # Multiplications of a matrix product up to which OpenBLAS stays in the calling thread; the others have work already.
 SERIAL_PRODUCT = 2**18
 
@@ -42,17 +44,20 @@ class Visibility:
     """What n points see. f0 (n,), alpha (n,) in [0, 1]; bent (n, 3), length at most 1, world axes. All float32.
 
     gathered  (n, 3) float64, one bounce of each field of the light cache; None without a cache
+    buried    (n,) bool, points that lie inside of something closed, with all their places: they see nothing, and
+              nobody sees them. None: not looked for, because rays pass through backs
     """
 
     f0: NDArray[np.float32]
     alpha: NDArray[np.float32]
     bent: NDArray[np.float32]
     gathered: NDArray[np.float64] | None = None
+    buried: NDArray[np.bool_] | None = None
 
     def __getitem__(self, part: slice) -> Visibility:
         """What a slice of the points sees."""
-        gathered = None if self.gathered is None else self.gathered[part]
-        return Visibility(self.f0[part], self.alpha[part], self.bent[part], gathered)
+        gathered, buried = (None if each is None else each[part] for each in (self.gathered, self.buried))
+        return Visibility(self.f0[part], self.alpha[part], self.bent[part], gathered, buried)
 
 
 def trace_visibility(
@@ -73,6 +78,7 @@ def trace_visibility(
     seed     turns the pattern; equal seeds give equal bits, whatever the number of threads
     threads  default: one a core
 
+    A place from which only the inside of what is closed is seen lies in it; a point is the mean over its other places.
     Closing the generator stops after the blocks in flight.
     """
     obscurance = obscurance or Obscurance()
@@ -94,18 +100,26 @@ def trace_visibility(
         np.empty(len(points), np.float32),
         np.empty((len(points), 3), np.float32),
         np.empty((len(points), fields)) if cache else None,
+        None if obscurance.ignore_backfaces else np.empty(len(points), bool),
     )
+    # What each place's rays sum up to where all see the sky, and which of them look whether it is inside.
+    most = weights.sum(axis=1)
+    probes = np.linspace(0, rays_per_place - 1, min(PROBES, rays_per_place)).astype(np.intp)
 
     def trace_window(workers: Workers, window: NDArray[np.intp]) -> Generator[int, None, None]:
         size = len(window)
         start = np.empty((size, places, 3), np.float32)
         frame = np.empty((size, places, 3, 3), np.float32)
         sums = np.empty((size, places, sky + fields))
+        buried = np.zeros((size, places), bool)
         number = points.number(window)
 
         def prepare(part: slice) -> int:
             positions, normals = points.at(window[part])
-            start[part] = np.moveaxis(occluders.origins(positions, normals, extent), 0, 2)
+            origins, lift = occluders.origins(positions, normals, extent), points.lift(window[part])
+            if lift is not None:
+                occluders.lift(origins, normals, lift, extent)
+            start[part] = np.moveaxis(origins, 0, 2)
             frame[part] = carried_frames(normals, turns(number[part], seed))
             return 0
 
@@ -134,9 +148,18 @@ def trace_visibility(
                     np.einsum("cpr,pr->cp", of_rays, cosine, out=sums[part, :, sky + field])
             by_place = visible.reshape(count, places, -1).swapaxes(0, 1)
             np.matmul(by_place, weights, out=sums[part, :, :sky].swapaxes(0, 1))
+            if result.buried is not None:
+                dark = np.flatnonzero(~visible.reshape(count * places, -1).any(axis=1))
+                chosen = (dark[:, None] * rays_per_place + probes).reshape(-1)
+                inside = occluders.see_inside(*(each.take(chosen, axis=0) for each in rays))
+                buried[part].reshape(-1)[dark] = inside.reshape(len(dark), len(probes)).all(axis=1)
             return count
 
         def sum_up(part: slice) -> int:
+            if result.buried is not None:
+                result.buried[window[part]] = buried[part].all(axis=1)
+                partly = np.flatnonzero(buried[part].any(axis=1))
+                _leave_out(sums[part], partly, ~buried[part][partly], most)
             f0, alpha = sums[part, :, 0].sum(axis=1), sums[part, :, 1].sum(axis=1)
             if cache:
                 result.gathered[window[part]] = sums[part, :, sky:].sum(axis=1)
@@ -163,6 +186,16 @@ def trace_visibility(
                 yield done + count
             done += count
     return result
+
+
+def _leave_out(sums: NDArray[np.float64], point: NDArray[np.intp], kept: NDArray[np.bool_], most: NDArray) -> None:
+    """In ``sums`` (n, places, 5 and more) of those ``point`` (k,), let the places ``kept`` (k, places) stand for all;
+    where none is, all stay. ``most`` (places, 5) is what they sum up to where all is open."""
+    kept = kept | ~kept.any(axis=1, keepdims=True)
+    share = np.einsum("kp,pw->kw", kept.astype(np.float64), most[:, :2]) / most[:, :2].sum(axis=0)
+    by = np.repeat(share[:, :1], sums.shape[2], axis=1)
+    by[:, 1:5] = share[:, 1:]  # alpha, and the mean direction, which has its weights
+    sums[point] *= kept[:, :, None] / by[:, None]
 
 
 def _buffers(shape: tuple[int, ...]) -> tuple[NDArray[np.float32], NDArray[np.float64]]:

@@ -22,7 +22,7 @@ from ..core.rays import Occluders
 from ..core.workers import in_thread, mapped
 from .bake_record import record_bake
 from .bent_normal_map import read_bent_normal_map
-from .images import check_image_names, image_channels, output_folder
+from .images import check_image_names, image_channels, is_nowhere, output_folder
 from .mesh_reader import evaluated_mesh, read_surface
 from .names import CHANNELS
 from .object_checks import check_evaluated, check_object
@@ -55,8 +55,16 @@ def bake(
     store_each  write each object when it is done, not all at the end: memory is that of one object's result, and
                 closing the generator keeps those
     """
-    folder = output_folder(settings.output_directory) if settings.target == "TEXTURE" else ""
-    reports = [ObjectReport(obj.name, settings.target, samples=settings.samples) for obj in objects]
+    warnings = []
+    if settings.target == "TEXTURE" and is_nowhere(settings.output_directory):
+        warnings.append(
+            f"Output '{settings.output_directory}' is relative to a .blend that is not saved yet: "
+            "the images were packed in it instead. Save it and bake again for files"
+        )
+    folder = output_folder(settings.output_directory) if settings.target == "TEXTURE" and not warnings else ""
+    reports = [
+        ObjectReport(obj.name, settings.target, samples=settings.samples, warnings=[*warnings]) for obj in objects
+    ]
     done: list[tuple[bpy.types.Object, ObjectReport, VertexResult | TextureResult | None]] = []
     scenes = OccluderScenes(context, objects, selected, settings, colours=settings.bounces == "RADIOSITY")
     count = RayCount()

@@ -35,9 +35,13 @@ class BentNormalMap:
     to_map: NDArray[np.float64]
     flip_y: bool
 
+    @property
+    def is_tangent(self) -> bool:
+        return self.tangents is not None
+
     def background(self) -> NDArray[np.float32]:
         """Colour (4,) of texels that show nothing: as Blender's bakes of normals, +z in tangent space, else black."""
-        return np.array((0.0, 0.0, 0.0, 1.0) if self.tangents is None else (0.5, 0.5, 1.0, 1.0), np.float32)
+        return np.array((0.5, 0.5, 1.0, 1.0) if self.is_tangent else (0.0, 0.0, 0.0, 1.0), np.float32)
 
     def colours(self, texels: Texels, bent: NDArray) -> NDArray[np.float32]:
         """Colours (k, 4) of ``texels`` with mean visible directions ``bent`` (k, 3), world axes; a texel that sees
@@ -45,8 +49,7 @@ class BentNormalMap:
         frames = at_texels(texels, self.triangles, self.normals, self.tangents)
         directions = bent.astype(np.float64) @ self.to_map.T
         directions = np.where(bent.any(axis=1, keepdims=True), directions, frames[:, -1])
-        is_local = self.tangents is not None
-        return as_colours(to_tangent_space(directions, frames) if is_local else unit(directions), self.flip_y)
+        return as_colours(to_tangent_space(directions, frames) if self.is_tangent else unit(directions), self.flip_y)
 
 
 def read_bent_normal_map(

@@ -3,13 +3,13 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.whole_files import whole_files
 from .images import as_blender_shows_it, image_name
 from .names import PROPERTY
 from .report import BakeError
@@ -78,17 +78,10 @@ def _image(name: str, plot: NDArray[np.float32]) -> bpy.types.Image:
 
 
 def _write_files(image: bpy.types.Image, csv: str, csv_path: Path, png_path: Path) -> None:
-    """Both are written beside their final names and then renamed, so a crash leaves the old ones."""
-    unfinished = [path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}") for path in (csv_path, png_path)]
-    try:
-        unfinished[0].write_text(csv, encoding="utf-8")
-        image.filepath_raw = str(unfinished[1])
+    with whole_files(png_path, csv_path) as (png_part, csv_part):
+        csv_part.write_text(csv, encoding="utf-8")
+        image.filepath_raw = str(png_part)
         image.save()
-        os.replace(unfinished[1], png_path)
-        os.replace(unfinished[0], csv_path)
-    finally:
-        for path in unfinished:
-            path.unlink(missing_ok=True)
 
 
 def _store_text(name: str, csv: str) -> bpy.types.Text:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import tempfile
 import zlib
@@ -13,9 +14,10 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from .names import BENT_CONE, BENT_NORMAL, CHANNELS, MULTIBOUNCE_AO, PROPERTY, RADIOSITY
+from .names import BENT_CONE, BENT_NORMAL, CHANNELS, MEANINGS, MULTIBOUNCE_AO, PROPERTY, RADIOSITY
 from .report import BakeError
 from .settings import BakeSettings
+from .version import extension_version
 
 FILE_SUFFIX = {
     MULTIBOUNCE_AO: "_multibounce_ao.exr",
@@ -25,11 +27,16 @@ FILE_SUFFIX = {
 }
 
 
+def is_nowhere(setting: str) -> bool:
+    """Whether the folder ``output_directory`` is relative to a .blend that is not saved yet."""
+    return setting.startswith("//") and not bpy.data.filepath
+
+
 def output_folder(setting: str) -> str:
     """Absolute folder of ``output_directory``, made and tried; empty where images are packed. Raises BakeError."""
     if not setting:
         return ""
-    if setting.startswith("//") and not bpy.data.filepath:
+    if is_nowhere(setting):
         raise BakeError(
             f"Output '{setting}' is relative to a .blend that is not saved yet: save it, or choose another folder"
         )
@@ -72,6 +79,19 @@ def file_path(obj: bpy.types.Object, channel: str, folder: str) -> Path:
 def image_channels(settings: BakeSettings) -> tuple[str, ...]:
     """What a texture bake leaves an image of."""
     return CHANNELS[settings.bounces] + ((BENT_NORMAL,) if settings.use_bent_normal_map else ())
+
+
+def file_metadata(obj: bpy.types.Object, channel: str, uv_map: str, settings: BakeSettings) -> dict[str, str]:
+    """What the header of a file says: who wrote it, and as JSON what its channels hold and how they were baked."""
+    version = extension_version()
+    told = {
+        "version": version,
+        "object": obj.name,
+        "uv_map": uv_map,
+        "channels": dict(zip("RGBA", MEANINGS[channel], strict=True)),
+        "settings": settings.as_property(),
+    }
+    return {"software": f"Multibounce AO {version}", PROPERTY: json.dumps(told)}
 
 
 def check_image_names(obj: bpy.types.Object, channels: Collection[str]) -> None:
@@ -117,6 +137,7 @@ def store_image(obj: bpy.types.Object, channel: str, pixels: NDArray[np.float32]
         image.pack()
     previous = recorded_images(obj).get(channel)
     if previous in images_of_only({obj}):
+        image.use_fake_user |= previous.use_fake_user
         previous.user_remap(image)
         bpy.data.images.remove(previous)
     if PROPERTY not in obj:

@@ -23,5 +23,13 @@ CHANNELS = {
 ALL_CHANNELS = (MULTIBOUNCE_AO, RADIOSITY, BENT_CONE)
 """What all bakes of an object may have left."""
 
+MEANINGS = {
+    MULTIBOUNCE_AO: ("F0", "F1", "F2", "T"),
+    RADIOSITY: ("red", "green", "blue", "F0"),
+    BENT_CONE: ("x", "y", "z", "alpha"),
+    BENT_NORMAL: ("x", "y", "z", "1"),
+}
+"""What red, green, blue and alpha of each hold."""
+
 PROPERTY = "multibounce_ao"
 """ID property: on objects what was baked, on materials, images and nodes that they are ours."""

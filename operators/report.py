@@ -28,6 +28,22 @@ class ObjectReport:
     warnings: list[str] = field(default_factory=list)
     error: str | None = None
 
+    def tell_f0(self, f0: NDArray[np.float32], what: str) -> None:
+        """Set :attr:`f0` from the F0 (k,) of those points that lie inside of nothing, and tell how many do; ``what``
+        they are called."""
+        buried = self.points - len(f0)
+        self.f0 = statistics(f0 if len(f0) else np.zeros(1, np.float32))
+        if self.f0["max"] == 0.0:
+            self.warnings.append(
+                "Sees no sky at all: if it should, its faces may be turned inwards (Mesh > Normals > Recalculate "
+                "Outside in Edit Mode), or it lies inside another object"
+            )
+        elif buried:
+            self.warnings.append(
+                f"{count_text(buried)} of {count_text(self.points)} {what} lie inside of other surfaces: they have the "
+                "values of their neighbours"
+            )
+
     def as_dict(self) -> dict:
         return asdict(self)
 

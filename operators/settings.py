@@ -107,6 +107,15 @@ class MultibounceAOSettings(bpy.types.PropertyGroup):
         soft_max=64,
         subtype="PIXEL",
     )
+    margin_type: EnumProperty(
+        name="Margin Type",
+        description="How the result is extended",
+        items=(
+            ("ADJACENT_FACES", "Adjacent Faces", "Use pixels from adjacent faces across UV seams"),
+            ("EXTEND", "Extend", "Extend border pixels outwards"),
+        ),
+        default="ADJACENT_FACES",
+    )
     uv_map: StringProperty(
         name="UV Map",
         description="UV map to bake into. Empty: the one that is active for rendering",
@@ -140,6 +149,27 @@ class MultibounceAOSettings(bpy.types.PropertyGroup):
             ("NEG_Y", "-Y (DirectX)", "Down the image, as in Unreal Engine"),
         ),
         default="POS_Y",
+    )
+    color_depth: EnumProperty(
+        name="Color Depth",
+        description="Bits of each channel of the OpenEXR files. Packed images have full floats",
+        items=(
+            ("16", "Float (Half)", "16-bit floats: half the size, off by at most .00025"),
+            ("32", "Float (Full)", "32-bit floats: the very numbers"),
+        ),
+        default="32",
+    )
+    exr_codec: EnumProperty(
+        name="Codec",
+        description="Compression of the OpenEXR files. All of these keep every bit",
+        items=(
+            ("NONE", "None", "No compression"),
+            ("RLE", "RLE", "Lossless run length encoding compression"),
+            ("ZIPS", "ZIPS", "Lossless zip compression, each image row compressed separately"),
+            ("ZIP", "ZIP", "Lossless zip compression of 16 row image blocks"),
+            ("PIZ", "PIZ", "Lossless wavelet compression, effective for noisy images"),
+        ),
+        default="ZIP",
     )
     height_map: PointerProperty(
         type=bpy.types.Image,
@@ -190,11 +220,14 @@ class BakeSettings:
     seed: int
     resolution: int
     margin: int
+    margin_type: str
     uv_map: str
     output_directory: str
     use_bent_normal_map: bool
     bent_normal_space: str
     bent_normal_y: str
+    color_depth: str
+    exr_codec: str
 
     @classmethod
     def of(cls, scene: bpy.types.Scene) -> BakeSettings:

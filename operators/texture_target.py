@@ -10,17 +10,20 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.adjacent_faces import AdjacentFaces
 from ..core.exr import write_exr
+from ..core.fill import fill_texels
 from ..core.margin import extend_margin
 from ..core.rasterise import bands, rasterise
 from ..core.sample_points import CornerTable, TexelPoints, spread_points, texel_places
 from ..core.surface import Surface
+from ..core.whole_files import whole_files
 from ..core.workers import Workers, mapped, slices
 from .bent_normal_map import BentNormalMap
-from .images import file_path, store_image
+from .images import file_metadata, file_path, store_image
 from .mesh_reader import linear_inverse
 from .names import BENT_NORMAL, CHANNELS
-from .report import BakeError, ObjectReport, statistics
+from .report import BakeError, ObjectReport
 from .settings import BakeSettings
 from .tracer import Tracer
 from .uv_layout import check_layout, expected_texels, overlaps
@@ -39,14 +42,23 @@ class TextureResult:
     obj: bpy.types.Object
     uv_map: str
     folder: str
+    settings: BakeSettings
     channels: dict[str, NDArray[np.float32]]
 
     def write(self) -> list[str]:
         """Store the images; returns their files or names. Raises OSError where a file cannot be written."""
         if self.folder:
-            # All files before any image: where one cannot be written, the .blend stays as it was.
-            for channel, pixels in self.channels.items():
-                write_exr(file_path(self.obj, channel, self.folder), pixels)
+            # All files before any of them takes its name, and before any image: where one cannot be written, the disk
+            # and the .blend stay as they were.
+            with whole_files(*(file_path(self.obj, channel, self.folder) for channel in self.channels)) as parts:
+                for part, (channel, pixels) in zip(parts, self.channels.items(), strict=True):
+                    write_exr(
+                        part,
+                        pixels,
+                        half=self.settings.color_depth == "16",
+                        codec=self.settings.exr_codec,
+                        metadata=file_metadata(self.obj, channel, self.uv_map, self.settings),
+                    )
         return [store_image(self.obj, channel, pixels, self.folder) for channel, pixels in self.channels.items()]
 
 
@@ -76,7 +88,7 @@ def bake_texture(
     if bent_normals is not None:
         images[BENT_NORMAL] = np.tile(bent_normals.background(), (size * size, 1))
     f0 = []
-    covered = np.zeros(size * size, bool)
+    covered, known = np.zeros((2, size * size), bool)
     places = texel_places(settings.samples)
     corners = CornerTable(surface)
     expected = expected_texels(triangle_uv, size)
@@ -102,19 +114,28 @@ def bake_texture(
             if bent_normals is not None:
                 images[BENT_NORMAL][texel] = bent_normals.colours(texels[part], visibility.bent[part])
             covered[texel] = True
+            known[texel] = True if visibility.buried is None else ~visibility.buried[part]
 
         with Workers(threads) as workers:
             workers.map(fill, slices(len(texels.texel), TEXELS_PER_PART))
         report.points += len(texels.texel)
-        f0.append(visibility.f0)
+        f0.append(visibility.f0 if visibility.buried is None else visibility.f0[~visibility.buried])
     if not report.points:
         raise BakeError(f"touches no texel in UV map '{uv_map}': pack its islands (UV > Pack Islands)")
     if overlaps(triangle_uv, report.points, size):
         report.warnings.append(
             f"UV map '{uv_map}' overlaps itself: where faces share texels, one of them decides their colour"
         )
-    report.f0 = statistics(np.concatenate(f0))
+    report.tell_f0(np.concatenate(f0), "texels")
 
     images = {channel: pixels.reshape(size, size, 4) for channel, pixels in images.items()}
-    extend_margin(list(images.values()), covered.reshape(size, size), settings.margin, threads)
-    return TextureResult(obj, uv_map, folder, images)
+    covered, known = covered.reshape(size, size), known.reshape(size, size)
+    fill_texels(list(images.values()), covered, known)
+    faces = None
+    if settings.margin and settings.margin_type == "ADJACENT_FACES":
+        faces = AdjacentFaces(triangle_uv, surface.vertex_triangles, size, size)
+    # Across a seam the tangent space is another one.
+    local = {BENT_NORMAL} if bent_normals is not None and bent_normals.is_tangent else set()
+    extend_margin([images[channel] for channel in images.keys() - local], covered, settings.margin, threads, faces)
+    extend_margin([images[channel] for channel in local], covered, settings.margin, threads)
+    return TextureResult(obj, uv_map, folder, settings, images)

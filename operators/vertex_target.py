@@ -10,13 +10,14 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.fill import fill_buried
 from ..core.sample_points import CornerTable, SurfacePoints
 from ..core.surface import Surface, extent_of, unit
 from ..core.workers import mapped
 from .mesh_reader import linear_inverse, read, read_corner_vertices, read_positions, read_surface, to_world
 from .names import ALL_CHANNELS, CHANNELS
 from .nearest_point import nearest_points
-from .report import BakeError, ObjectReport, statistics
+from .report import BakeError, ObjectReport
 from .tracer import Tracer
 
 # Modifiers that keep the original vertices, in their order: before new ones, and without new ones.
@@ -27,6 +28,8 @@ DEFORM = {
     *("DATA_TRANSFER", "NORMAL_EDIT", "WEIGHTED_NORMAL", "UV_PROJECT", "UV_WARP"),
 }
 
+Topology = tuple[int, NDArray[np.int32], NDArray[np.int32]]
+
 
 @dataclass(frozen=True)
 class VertexPoints:
@@ -35,8 +38,9 @@ class VertexPoints:
     positions, normals  (k, 3) float64, world space
     element_point       (n,) int, the point of each element of the attribute ``domain``, "POINT" or "CORNER"
     extent              size of the surface, world units
-    topology            number of vertices of the mesh, and the vertex (c,) of each of its face corners
+    topology            number of vertices of the mesh, the vertex (c,) of each of its face corners, each face's first
     onto                the modified surface that the points are to be moved to; None where the mesh keeps its topology
+    lift                (k,) float64, see :class:`core.sample_points.SurfacePoints`
     """
 
     positions: NDArray[np.float64]
@@ -44,8 +48,9 @@ class VertexPoints:
     element_point: NDArray[np.intp]
     domain: str
     extent: float
-    topology: tuple[int, NDArray[np.int32]]
+    topology: Topology
     onto: Surface | None = None
+    lift: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True)
@@ -56,12 +61,11 @@ class VertexResult:
     mesh: bpy.types.Mesh
     domain: str
     channels: dict[str, NDArray[np.float32]]
-    topology: tuple[int, NDArray[np.int32]]
+    topology: Topology
 
     def write(self) -> list[str]:
         """Store the attributes; returns their names. Raises BakeError where the mesh was edited since it was read."""
-        vertices, corner_vertex = _topology(self.mesh)
-        if vertices != self.topology[0] or not np.array_equal(corner_vertex, self.topology[1]):
+        if not all(map(np.array_equal, _topology(self.mesh), self.topology)):
             raise BakeError("was edited while it was baked: bake it again")
         for name, values in self.channels.items():
             write_attribute(self.mesh, name, self.domain, values)
@@ -81,15 +85,29 @@ def bake_vertices(
             "Modifiers change the topology: the original vertices were baked at the nearest point of the modified "
             f"surface, {away}"
         )
-    starts = SurfacePoints(points.positions, points.normals)
+    starts = SurfacePoints(points.positions, points.normals, points.lift)
     begin = tracer.light_share(len(starts))
     cache = yield from mapped(tracer.light(starts, len(starts), points.extent), lambda done: begin * done)
     tracing = tracer.visibility(starts, points.extent, cache)
     visibility = yield from mapped(tracing, lambda done: begin + (1.0 - begin) * done / report.points)
-    report.f0 = statistics(visibility.f0)
+    is_buried = visibility.buried is not None and visibility.buried.any()
+    report.tell_f0(visibility.f0[~visibility.buried] if is_buried else visibility.f0, "points")
+    if is_buried:
+        fill_buried(visibility, _edges(points), points.normals)
     channels = tracer.channels(visibility, linear_inverse(matrix))
     stored = {name: values[points.element_point] for name, values in channels.items()}
     return VertexResult(mesh, points.domain, stored, points.topology)
+
+
+def _edges(points: VertexPoints) -> NDArray[np.intp]:
+    """The ``points`` (e, 2) that stand for the ends of the faces' edges."""
+    _, corner_vertex, start = points.topology
+    corner = points.element_point
+    if points.domain == "POINT":
+        corner = corner[corner_vertex]
+    following = np.arange(1, len(corner) + 1)
+    following[np.append(start[1:], len(corner)) - 1] = start
+    return np.column_stack((corner, corner[following]))
 
 
 def vertex_points(obj: bpy.types.Object, evaluated: bpy.types.Mesh, matrix: NDArray) -> VertexPoints:
@@ -111,9 +129,11 @@ def vertex_points(obj: bpy.types.Object, evaluated: bpy.types.Mesh, matrix: NDAr
 def _moved_onto(points: VertexPoints, surface: Surface) -> tuple[VertexPoints, float]:
     """``points`` at the nearest places of ``surface``, and how far the furthest was from there."""
     triangle, barycentric = nearest_points(points.positions, points.normals, surface)
-    positions, normals = (each.T for each in CornerTable(surface).at(triangle, barycentric[:, 1], barycentric[:, 2]))
+    corners, places = CornerTable(surface), (triangle, barycentric[:, 1], barycentric[:, 2])
+    positions, normals = (each.T for each in corners.at(*places))
     moved = float(np.linalg.norm(positions - points.positions, axis=1).max())
-    return replace(points, positions=positions, normals=normals, extent=surface.extent, onto=None), moved
+    lift = corners.lift(*places)
+    return replace(points, positions=positions, normals=normals, extent=surface.extent, lift=lift, onto=None), moved
 
 
 def _vertices_come_first(obj: bpy.types.Object) -> bool:
@@ -142,8 +162,8 @@ def _corners(mesh: bpy.types.Mesh, matrix: NDArray, positions: NDArray | None = 
     return VertexPoints(positions, normals, corner_point, "CORNER", surface.extent, _topology(mesh))
 
 
-def _topology(mesh: bpy.types.Mesh) -> tuple[int, NDArray[np.int32]]:
-    return len(mesh.vertices), read_corner_vertices(mesh)
+def _topology(mesh: bpy.types.Mesh) -> Topology:
+    return len(mesh.vertices), read_corner_vertices(mesh), read(mesh.polygons, "loop_start", 1, np.int32)
 
 
 def check_attribute_names(obj: bpy.types.Object, bounces: str) -> None:

@@ -88,6 +88,9 @@ class MULTIBOUNCE_AO_PT_texture(SidebarPanel, bpy.types.Panel):
         column.active = settings.target == "TEXTURE"
         column.prop(settings, "resolution")
         column.prop(settings, "margin")
+        margin_type = column.row()
+        margin_type.active = settings.margin > 0
+        margin_type.prop(settings, "margin_type", text="Type")
         obj = context.active_object
         if obj is not None and obj.type == "MESH":
             column.prop_search(settings, "uv_map", obj.data, "uv_layers", icon="GROUP_UVS")
@@ -102,6 +105,10 @@ class MULTIBOUNCE_AO_PT_texture(SidebarPanel, bpy.types.Panel):
         chosen.prop(settings, "bent_normal_y")
         # Bounce curves go there too, whatever the target.
         whole.prop(settings, "output_directory")
+        files = whole.column()
+        files.active = settings.target == "TEXTURE" and settings.output_directory != ""
+        files.prop(settings, "color_depth")
+        files.prop(settings, "exr_codec")
 
 
 class MULTIBOUNCE_AO_PT_result(SidebarPanel, bpy.types.Panel):

@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from core.exr import read_exr, write_exr
 from core.margin import extend_margin
 from core.morton import morton_order
 from core.surface import INSET, Surface, into_faces
@@ -114,14 +113,3 @@ def test_morton_neighbours_stay_together():
     # octants come in order: z above y above x
     corners = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)], float)
     assert (morton_order(corners[::-1]) == np.arange(8)[::-1]).all()
-
-
-def test_exr_keeps_every_bit_and_leaves_no_scraps(tmp_path):
-    pixels = np.random.default_rng(0).normal(size=(5, 7, 4)).astype(np.float32)
-    write_exr(tmp_path / "map.exr", pixels)
-    assert (read_exr(tmp_path / "map.exr") == pixels).all()
-    write_exr(tmp_path / "map.exr", 2 * pixels)
-    assert (read_exr(tmp_path / "map.exr") == 2 * pixels).all()
-    with pytest.raises(OSError, match="cannot write"):
-        write_exr(tmp_path / "missing" / "map.exr", pixels)
-    assert [path.name for path in tmp_path.iterdir()] == ["map.exr"]

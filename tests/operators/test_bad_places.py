@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bakes that have nowhere to go: linked data and folders that cannot be written. The file stays as it was."""
 
-import re
-
 import bpy
 import pytest
 
@@ -76,11 +74,7 @@ def of_the_system(folder):
     return "/proc/maps"
 
 
-def beside_an_unsaved_blend(folder):
-    return "//maps"
-
-
-@pytest.mark.parametrize("make", [a_file, below_a_file, of_the_system, beside_an_unsaved_blend])
+@pytest.mark.parametrize("make", [a_file, below_a_file, of_the_system])
 def test_output_folder_that_cannot_be_written(make, tmp_path):
     change_settings(**TEXTURE, samples=8, output_directory=make(tmp_path))
     obj = plate()
@@ -89,7 +83,7 @@ def test_output_folder_that_cannot_be_written(make, tmp_path):
     message = error_of(bpy.ops.multibounce_ao.bake)
     folder = bpy.context.scene.multibounce_ao.output_directory
     assert message.startswith(f"Output '{folder}' ")
-    assert re.search(": (choose|save)", message)
+    assert ": choose" in message
     assert "\n" not in message
     assert differences(before, snapshot()) == []
     # To vertices nothing is written there, so it is none of our business.
@@ -101,6 +95,7 @@ def test_folder_that_goes_away_while_baking(tmp_path):
     obj = plate()
     folder = tmp_path / "maps"
     folder.mkdir()
+    (folder / "Plate_multibounce_ao.exr").write_text("old")
     (folder / "Plate_bent_cone.exr").mkdir()
     change_settings(samples=8)
     (report,) = reports(obj, **TEXTURE, output_directory=str(folder))
@@ -108,6 +103,8 @@ def test_folder_that_goes_away_while_baking(tmp_path):
     assert str(folder) in report.error
     assert "choose another" in report.error
     assert report.outputs == []
+    assert (folder / "Plate_multibounce_ao.exr").read_text() == "old"  # not the one without the other
+    assert len(list(folder.iterdir())) == 2
     assert "multibounce_ao" not in obj
     assert not bpy.data.images
     assert not obj.material_slots

@@ -57,7 +57,8 @@ def test_decoded_with_the_meshs_tangents():
     from core.sample_points import texel_places
 
     obj = occluded_suzanne()
-    found = bake_map(obj, samples=64)
+    # With backs ignored, nothing is inside of anything, and no texel has its neighbour's colour.
+    found = bake_map(obj, samples=64, ignore_backfaces=True)
     expected, held = bent_cone(obj)
     mesh = obj.data
     mesh.calc_loop_triangles()

@@ -32,7 +32,7 @@ def test_texture_of_a_subdivided_box():
     )
     obj.modifiers.new("Subdivision", "SUBSURF").levels = 2
     (report,) = reports(obj, target="TEXTURE", resolution=32, margin=0)
-    assert report.warnings == []  # texels know nothing of topology
+    assert "topology" not in " ".join(report.warnings)  # texels know nothing of it
     assert report.points > 500
     np.testing.assert_array_equal(pixels(bpy.data.images["Box Multibounce AO"])[..., 0], 0)
 

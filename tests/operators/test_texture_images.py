@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The images and files that a texture bake leaves."""
 
+import json
 from pathlib import Path
 
 import bpy
@@ -68,6 +69,57 @@ def test_files_hold_what_the_images_show(tmp_path):
         np.testing.assert_array_equal(rows, packed[channel])
         np.testing.assert_array_equal(pixels(image(obj, channel)), packed[channel])
         assert Path(bpy.path.abspath(image(obj, channel).filepath)) == path
+
+
+def test_files_as_the_settings_ask(tmp_path):
+    obj = suzanne()
+    bake_texture(obj, samples=8)
+    exact = pixels(image(obj))
+    bake_texture(obj, samples=8, output_directory=str(tmp_path), color_depth="16", exr_codec="PIZ", uv_map="UVMap")
+    path = tmp_path / "Suzanne_multibounce_ao.exr"
+    assert all(plane.dtype == np.float16 for plane in read_exr(path).values())
+    np.testing.assert_array_equal(pixels(image(obj)), exact.astype(np.float16))
+    with OpenEXR.File(str(path), header_only=True) as file:
+        header = dict(file.header())
+    assert header["compression"] == OpenEXR.PIZ_COMPRESSION
+    assert header["software"].startswith("Multibounce AO ")
+    told = json.loads(header["multibounce_ao"])
+    assert told["channels"] == {"R": "F0", "G": "F1", "B": "F2", "A": "T"}
+    assert (told["object"], told["uv_map"]) == ("Suzanne", "UVMap")
+    assert told["settings"].items() >= {"samples": 8, "resolution": 32, "color_depth": "16", "seed": 0}.items()
+
+
+def test_an_untitled_blend_packs_and_says_so():
+    obj = plate()
+    (report,) = reports(obj, target="TEXTURE", resolution=8, output_directory="//maps")
+    assert report.error is None
+    assert image(obj).packed_file is not None
+    assert report.outputs == ["Plate Multibounce AO", "Plate Bent Cone"]
+    (warning,) = report.warnings
+    assert "'//maps'" in warning and "packed" in warning and "Save it" in warning
+    assert obj["multibounce_ao"]["warnings"] == [warning]
+    assert reports(obj, target="VERTEX")[0].warnings == []
+
+
+def test_images_of_another_type_are_replaced_with_all_their_users():
+    """The artist has turned the baked image into bytes, keeps it, and shows it in a texture and a compositor's input
+    of a scene's own."""
+    obj = plate()
+    bake_texture(obj, resolution=8)
+    made = image(obj)
+    made.source, made.generated_width, made.use_generated_float = "GENERATED", 4, False
+    made.unpack(method="REMOVE") if made.packed_file else None
+    made.use_fake_user = True
+    texture = bpy.data.textures.new("Reader", "IMAGE")
+    texture.image = made
+    brush = bpy.data.objects.new("Reference", None)
+    brush.empty_display_type, brush.data = "IMAGE", made
+    assert not made.is_float
+    bake_texture(obj, resolution=16)
+    assert image(obj).is_float and tuple(image(obj).size) == (16, 16)
+    assert texture.image == brush.data == image(obj)
+    assert image(obj).use_fake_user
+    assert len(bpy.data.images) == 2
 
 
 @pytest.mark.parametrize("folder", ["", "//maps", "absolute"])

@@ -93,11 +93,15 @@ def test_buttons_set_the_samples(panels):
 
 def test_what_does_not_apply_is_grey(panels):
     settings = bpy.context.scene.multibounce_ao
-    of_textures = {"resolution", "margin", "uv_map", "use_bent_normal_map", "bent_normal_space", "bent_normal_y"}
+    of_textures = {"resolution", "margin", "margin_type", "uv_map", "color_depth", "exr_codec"}
+    of_textures |= {"use_bent_normal_map", "bent_normal_space", "bent_normal_y"}
     settings.target, settings.max_distance = "VERTEX", 0
     shown = properties(everything(panels))
     assert {name for name, active in shown.items() if not active} == of_textures | {"falloff", "height_map_amplitude"}
     settings.target, settings.max_distance = "TEXTURE", 1
+    grey = {name for name, active in properties(everything(panels)).items() if not active}
+    assert grey == {"color_depth", "exr_codec", "height_map_amplitude", "bent_normal_space", "bent_normal_y"}
+    settings.output_directory = "//maps"  # not packed
     settings.height_map = bpy.data.images.new("Relief", 4, 4)
     settings.use_bent_normal_map = True
     assert all(properties(everything(panels)).values())

@@ -64,6 +64,7 @@ def test_settings_are_those_of_the_contract():
         "seed": 0, "resolution": 1024, "margin": 16, "uv_map": "", "output_directory": "",
         "use_bent_normal_map": False, "bent_normal_space": "TANGENT", "bent_normal_y": "POS_Y", "height_map": None,
         "height_map_amplitude": pytest.approx(0.04), "field_resolution": 16, "use_field_volume": False,
+        "color_depth": "32", "exr_codec": "ZIP", "margin_type": "ADJACENT_FACES",
     }  # fmt: skip
     assert {p.identifier: getattr(p, "default", None) for p in settings()} == defaults
     choices = {p.identifier: [item.identifier for item in p.enum_items] for p in settings() if p.type == "ENUM"}
@@ -74,6 +75,9 @@ def test_settings_are_those_of_the_contract():
         "bounces": ["FITTED", "BAKED", "RADIOSITY"],
         "bent_normal_space": ["OBJECT", "TANGENT"],
         "bent_normal_y": ["POS_Y", "NEG_Y"],
+        "color_depth": ["16", "32"],
+        "margin_type": ["ADJACENT_FACES", "EXTEND"],
+        "exr_codec": ["NONE", "RLE", "ZIPS", "ZIP", "PIZ"],
     }
 
 

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What lies beyond the border of a UV island: the face on the other side of the seam.
+
+A texel outside of an island shows what the surface goes on with there, so that a lookup close to a seam finds the same
+values from either side (Blender's margin type "Adjacent Faces").
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+# UV coordinates that differ by less are one place.
+SAME_UV = 1e-6
+# At most so many points, in all, stand for seams: one a texel, or fewer.
+MOST_POINTS = 2**23
+
+
+class AdjacentFaces:
+    """The seams of a layout, in texels.
+
+    triangle_uv       (m, 3, 2) float, UV coordinates of the triangles' corners, finite
+    vertex_triangles  (m, 3) int, their vertices
+    width, height     of the image
+    """
+
+    def __init__(self, triangle_uv: NDArray, vertex_triangles: NDArray[np.integer], width: int, height: int):
+        from scipy.spatial import cKDTree
+
+        scale = np.array((width, height), np.float64)
+        near, far = _seams(triangle_uv, vertex_triangles)
+        # Each (s, 3 corners, 2): the two ends, and the corner that lies inside.
+        self._near, self._far = near * scale, far * scale
+        length = np.linalg.norm(self._near[:, 1] - self._near[:, 0], axis=1)
+        step = max(1.0, length.sum() / MOST_POINTS)
+        count = 1 + np.ceil(length / step).astype(np.intp)
+        self._seam = np.repeat(np.arange(len(length)), count)
+        along = (np.arange(len(self._seam)) - np.repeat(np.cumsum(count) - count, count)) / np.repeat(count - 1, count)
+        start, end = self._near[self._seam, 0], self._near[self._seam, 1]
+        # A hair inwards: of two seams that meet at one place, the one that is faced.
+        points = start + along[:, None] * (end - start)
+        points += 1e-3 * (self._near[self._seam].mean(axis=1) - points)
+        self._tree = cKDTree(points) if len(points) else None
+
+    def beyond(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Where in the image (k, 2), in texels, the surface goes on at the places ``x``, ``y`` (k,) outside of islands;
+        NaN where the nearest border is one of the surface itself."""
+        if self._tree is None or not len(x):
+            return np.full((len(x), 2), np.nan)
+        at = np.column_stack((x, y))
+        seam = self._seam[self._tree.query(at)[1]]
+        start, end, inside = np.moveaxis(self._near[seam], 1, 0)
+        along, out = _frame(start, end, inside, outwards=True)
+        square = np.maximum(np.einsum("kx,kx->k", along, along), 1e-300)[:, None]
+        s = np.einsum("kx,kx->k", at - start, along)[:, None] / square
+        t = np.einsum("kx,kx->k", at - start, out)[:, None] / square
+        start, end, inside = np.moveaxis(self._far[seam], 1, 0)
+        along, inwards = _frame(start, end, inside, outwards=False)
+        return start + s * along + t * inwards
+
+
+def bilinear(image: NDArray, covered: NDArray[np.bool_], at: NDArray[np.float64]) -> tuple[NDArray, NDArray]:
+    """Values (k, c) of ``image`` (h, w, c) at the places ``at`` (k, 2), texels, between the centres of those texels
+    that are ``covered`` (h, w); and how much of the weight (k,) these have, 0 at places that are not finite."""
+    height, width = covered.shape
+    known = np.isfinite(at).all(axis=1)
+    at = np.clip(np.where(known[:, None], at, 0.0), -1e6, 1e6) - 0.5
+    low = np.floor(at).astype(np.intp)
+    share = at - low
+    total, values = np.zeros(len(at)), np.zeros((len(at), image.shape[2]))
+    for right in (0, 1):
+        for up in (0, 1):
+            column, row = low[:, 0] + right, low[:, 1] + up
+            weight = np.abs(1 - right - share[:, 0]) * np.abs(1 - up - share[:, 1]) * known
+            is_in = (column >= 0) & (column < width) & (row >= 0) & (row < height)
+            column, row = np.where(is_in, column, 0), np.where(is_in, row, 0)
+            weight *= is_in & covered[row, column]
+            total += weight
+            values += weight[:, None] * image[row, column]
+    return values / np.maximum(total, 1e-12)[:, None], total
+
+
+def _seams(triangle_uv: NDArray, vertex_triangles: NDArray[np.integer]) -> tuple[NDArray, NDArray]:
+    """For each side of each seam, UVs (s, 3, 2) of the edge's ends and of its triangle's third corner, and the same of
+    the triangle across; those of the borders of the surface, where there is none, are NaN."""
+    corner = np.arange(3)
+    ends = vertex_triangles[:, np.stack((corner, (corner + 1) % 3), axis=1)].reshape(-1, 2).astype(np.int64)
+    turned = ends[:, 0] > ends[:, 1]
+    uv = np.asarray(triangle_uv, np.float64)[:, np.stack((corner, (corner + 1) % 3, (corner + 2) % 3), axis=1)]
+    uv = uv.reshape(-1, 3, 2)
+    uv[turned, :2] = uv[turned, 1::-1]  # from the lower vertex to the higher, so that both sides agree
+    key = ends.min(axis=1) * (int(vertex_triangles.max(initial=0)) + 1) + ends.max(axis=1)
+    order = np.argsort(key, kind="stable")
+    _, first, count = np.unique(key[order], return_index=True, return_counts=True)
+    one, other = order[first[count == 2]], order[first[count == 2] + 1]
+    split = np.flatnonzero(np.abs(uv[one, :2] - uv[other, :2]).max(axis=(1, 2)) > SAME_UV)
+    one, other = one[split], other[split]
+    # An edge of one face has nothing across, and one of many has no one thing.
+    border = order[np.repeat(count != 2, count)]
+    near = np.concatenate((uv[one], uv[other], uv[border]))
+    return near, np.concatenate((uv[other], uv[one], np.full_like(uv[border], np.nan)))
+
+
+def _frame(start: NDArray, end: NDArray, inside: NDArray, outwards: bool) -> tuple[NDArray, NDArray]:
+    """Vectors (k, 2) along an edge, and as long at right angles to it, away from the corner ``inside`` or to it."""
+    along = end - start
+    across = np.stack((-along[:, 1], along[:, 0]), axis=1)
+    points_in = np.einsum("kx,kx->k", across, inside - start) > 0.0
+    return along, np.where((points_in != outwards)[:, None], across, -across)

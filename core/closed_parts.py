@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which triangles bound a volume: only of those can a point be inside."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def in_closed_parts(triangles: NDArray[np.integer], vertices: int) -> NDArray[np.bool_]:
+    """Whether each of ``triangles`` (m, 3), which index so many ``vertices``, is of a part without a border: one whose
+    edges all have an even number of triangles. Vertices that only lie at one place do not join."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    low, high = np.minimum(triangles, np.roll(triangles, -1, axis=1)), np.maximum(triangles, np.roll(triangles, -1, 1))
+    edge, count = np.unique(low.astype(np.int64) * vertices + high, return_counts=True)
+    start, end = np.divmod(edge, vertices)
+    _, part = connected_components(coo_matrix((np.ones(len(edge), bool), (start, end)), (vertices, vertices)), False)
+    has_border = np.zeros(vertices, bool)
+    has_border[part[start[count % 2 > 0]]] = True
+    return ~has_border[part[triangles[:, 0]]]
