@@ -81,11 +81,11 @@ def _multiply(tree: bpy.types.NodeTree, fields: list[bpy.types.Node]) -> None:
     y = max(mix.location.y for mix in mixes)
     product = None
     for index, node in enumerate(fields):
-        node.location = (x - 220, y + 160 * index)
+        node.location = (x - 220, y + 200 * index)
         if product is None:
             product = node.outputs["AO"]
             continue
-        times = new_node(tree, "ShaderNodeMath", FIELD, x, y + 160 * index)
+        times = new_node(tree, "ShaderNodeMath", FIELD, x, y + 200 * index)
         times.label, times.operation = "AO * AO", "MULTIPLY"
         tree.links.new(product, times.inputs[0])
         tree.links.new(node.outputs["AO"], times.inputs[1])

@@ -71,7 +71,7 @@ def add_world_light(material: bpy.types.Material, source: BakedSource) -> bool:
     lights = _world_lights(tree)
     if not lights:
         x, y = min(group.location.x for group in groups) - 260, groups[0].location.y - 560
-        light = _new_node(tree, "ShaderNodeGroup", x, y)
+        light = new_node(tree, "ShaderNodeGroup", PROPERTY, x, y)
         light.node_tree = bent_cone.ensure()
         light.width = 200
         light[_WORLD_LIGHT] = True
@@ -112,7 +112,7 @@ def _insert_group(tree: bpy.types.NodeTree, bsdf: bpy.types.Node, group_tree: bp
     mix = upstream(socket, is_field_mix)
     if mix is not None:
         _, socket, _, _ = mix_sockets(mix)
-    group = _new_node(tree, "ShaderNodeGroup", bsdf.location.x - 260, bsdf.location.y)
+    group = new_node(tree, "ShaderNodeGroup", PROPERTY, bsdf.location.x - 260, bsdf.location.y)
     group.node_tree = group_tree
     group.width = 200
     insert(tree, socket, group.inputs["Base Color"], group.outputs["Color"])
@@ -160,7 +160,7 @@ def _separated(
     tree: bpy.types.NodeTree, colour: bpy.types.NodeSocket, x: float, y: float
 ) -> dict[str, bpy.types.NodeSocket]:
     """Outputs "Red", "Green" and "Blue"."""
-    node = _new_node(tree, "ShaderNodeSeparateColor", x, y)
+    node = new_node(tree, "ShaderNodeSeparateColor", PROPERTY, x, y)
     tree.links.new(colour, node.inputs[0])
     return {socket.name: socket for socket in node.outputs}
 
@@ -171,10 +171,10 @@ def _source(
     """Outputs "Color" and "Alpha" of what was baked."""
     if source.images is None:
         return _attribute(tree, channel, x, y)
-    node = _new_node(tree, "ShaderNodeTexImage", x, y)
+    node = new_node(tree, "ShaderNodeTexImage", PROPERTY, x, y)
     node.image = source.images[channel]
     node.extension = "EXTEND"  # the tile's border must not blend with the opposite side
-    uv_map = _new_node(tree, "ShaderNodeUVMap", x - 200, y)
+    uv_map = new_node(tree, "ShaderNodeUVMap", PROPERTY, x - 200, y)
     uv_map.uv_map = source.uv_map
     tree.links.new(uv_map.outputs["UV"], node.inputs["Vector"])
     return {name: node.outputs[name] for name in ("Color", "Alpha")}
@@ -186,27 +186,23 @@ def _attribute(tree: bpy.types.NodeTree, channel: str, x: float, y: float) -> di
     What it lacks reads as black with alpha 1. For the cone that is open already. Elsewhere black would be a closed
     point, but whose alpha is below 1 in a bake: T always (core.bounces.decay), and F0 unless all is open.
     """
-    node = _new_node(tree, "ShaderNodeAttribute", x, y)
+    node = new_node(tree, "ShaderNodeAttribute", PROPERTY, x, y)
     node.attribute_type = "GEOMETRY"
     node.attribute_name = channel
     if channel not in OPEN:
         return {name: node.outputs[name] for name in ("Color", "Alpha")}
     node.location.x -= 400
-    is_baked = _new_node(tree, "ShaderNodeMath", x - 200, y - 160)
+    is_baked = new_node(tree, "ShaderNodeMath", PROPERTY, x - 200, y - 160)
     is_baked.operation, is_baked.label = "LESS_THAN", "Is Baked"
     is_baked.inputs[1].default_value = 1.0
     tree.links.new(node.outputs["Alpha"], is_baked.inputs[0])
-    mix = _new_node(tree, "ShaderNodeMix", x, y)
+    mix = new_node(tree, "ShaderNodeMix", PROPERTY, x, y)
     mix.data_type, mix.label = "RGBA", "Baked or Open"
     factor, opened, baked, result = mix_sockets(mix)
     opened.default_value = OPEN[channel]
     tree.links.new(is_baked.outputs[0], factor)
     tree.links.new(node.outputs["Color"], baked)
     return {"Color": result, "Alpha": node.outputs["Alpha"]}
-
-
-def _new_node(tree: bpy.types.NodeTree, kind: str, x: float, y: float) -> bpy.types.Node:
-    return new_node(tree, kind, PROPERTY, x, y)
 
 
 def _is_ours(node: bpy.types.Node) -> bool:

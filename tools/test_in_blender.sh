@@ -33,6 +33,9 @@ pytest=$build/pytest-$version
 [ -e "$pytest" ] || "$python" -m pip install --quiet --disable-pip-version-check --only-binary=:all: \
   --python-version "$version" --target "$pytest" "$(grep '^pytest==' tools/requirements.txt)"
 
+# Where another Mesa than this Blender's shares the cache of shaders, each cuts the index to its own size under the
+# other, which ends in a bus error.
+export MESA_SHADER_CACHE_DIR=$build/mesa
 export BLENDER_USER_RESOURCES=$build/user
 rm -rf "$BLENDER_USER_RESOURCES"; mkdir -p "$BLENDER_USER_RESOURCES"
 "$blender" -b --command extension install-file -r user_default -e "$build"/zip/*.zip
