@@ -116,7 +116,7 @@ def test_texture_and_vertices_agree():
     floor = plate("Floor", half=2, steps=32)
     box("Wall", low=(2.1, -2, 0), high=(2.3, 2, 1.5))
     floor.data.materials.append(material())
-    bake(floor, samples=1024)
+    bake(floor, samples=1024, bounces="FITTED")
     add_world_light(floor)
     inner = np.abs(positions(floor)).max(axis=1) < 1.95
     by_vertex = emitted(floor, "Irradiance")[inner]
