@@ -181,6 +181,19 @@ def test_clear_takes_it_out(target):
     assert group(floor.active_material) is None
 
 
+def test_add_nodes_brings_a_projected_world():
+    floor = plate()
+    floor.data.materials.append(material())
+    bake(floor, use_material_nodes=False, samples=4)
+    assert bpy.ops.multibounce_ao.add_nodes() == {"FINISHED"}
+    assert light_node(floor.active_material) is None
+    world((0.5, 1.0, 2.0))
+    project()
+    assert bpy.ops.multibounce_ao.add_nodes() == {"FINISHED"}
+    last = source(bsdf(floor.active_material).inputs["Base Color"]).node
+    assert source(last.inputs["Irradiance"]).node == light_node(floor.active_material)
+
+
 def test_refusals():
     select()
     assert not bpy.ops.multibounce_ao.add_world_light.poll()
