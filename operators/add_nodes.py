@@ -13,7 +13,7 @@ from .openness import baked_openness
 
 
 class MULTIBOUNCE_AO_OT_add_nodes(bpy.types.Operator):
-    """Plug the multibounce node group into the active material, before its base colour; with a projected World's light"""
+    """Plug the multibounce node group into the active material, with the World's light if one is projected"""
 
     bl_idname = "multibounce_ao.add_nodes"
     bl_label = "Add Multibounce Nodes"
