@@ -5,7 +5,7 @@ STAMP := $(VENV)/.stamp
 BENCH := $(VENV)-bench
 SITE := 'import site; print(site.getsitepackages()[0])'
 
-.PHONY: help demo compare demo-field test test-blender bench zip lint clean
+.PHONY: help demo compare demo-field demo-cones test test-blender bench zip lint clean
 help:            ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' Makefile
 
@@ -21,6 +21,9 @@ compare: $(STAMP)   ## every model of the bounces beside path tracing, into out/
 
 demo-field: $(STAMP)   ## AO fields of moving props, in EEVEE and Cycles beside ray-traced AO, into out/demo-field/
 	$(VENV)/bin/python demo/field_demo.py
+
+demo-cones: $(STAMP)   ## the World's light by bent cones, beside path tracing, into out/bent_cones/; ARGS: --update-docs
+	$(VENV)/bin/python demo/bent_cones.py $(ARGS)
 
 # A process a core, each with a Blender of its own; four at most, since bakes take all cores themselves.
 test: $(STAMP)   ## run the tests in the bpy module; ARGS go to pytest

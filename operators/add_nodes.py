@@ -5,14 +5,15 @@ from __future__ import annotations
 
 import bpy
 
+from ..shader_nodes.cone_light import STORED_WORLD
 from .bake_record import baked_source, curve_group
-from .material_nodes import BakedSource, groups_in
+from .material_nodes import BakedSource, add_world_light, groups_in
 from .object_materials import plug_slot, users_of
 from .openness import baked_openness
 
 
 class MULTIBOUNCE_AO_OT_add_nodes(bpy.types.Operator):
-    """Plug the multibounce node group into the active material, before the base colour of its Principled BSDF"""
+    """Plug the multibounce node group into the active material, with the World's light if one is projected"""
 
     bl_idname = "multibounce_ao.add_nodes"
     bl_label = "Add Multibounce Nodes"
@@ -25,7 +26,8 @@ class MULTIBOUNCE_AO_OT_add_nodes(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj, bounces = context.active_object, context.scene.multibounce_ao.bounces
         source = baked_source(obj, bounces)
-        problem = plug_slot(_active_slot(obj), obj, bounces, source)
+        slot = _active_slot(obj)
+        problem = plug_slot(slot, obj, bounces, source)
         if problem:
             self.report({"ERROR"}, problem)
             return {"CANCELLED"}
@@ -33,6 +35,8 @@ class MULTIBOUNCE_AO_OT_add_nodes(bpy.types.Operator):
             self.report(
                 {"INFO"}, f"'{obj.name}' has no bake yet: bake it, or connect an AO map to the group's first input"
             )
+        elif STORED_WORLD in context.scene:
+            add_world_light(slot.material, source)
         return {"FINISHED"}
 
 

@@ -141,6 +141,7 @@ def _for_surfaces(world: bpy.types.World) -> bpy.types.World:
     """A copy of ``world`` that shows the camera what it sheds on surfaces, without a volume."""
     copy = world.copy()
     copy.cycles_visibility.camera = True
+    copy.cycles.sampling_method = "NONE"  # no map of where it is bright: no surface is there to need one
     _prepare(copy.node_tree)
     for node in copy.node_tree.nodes:
         if node.bl_idname == "ShaderNodeOutputWorld":

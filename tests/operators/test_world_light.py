@@ -116,7 +116,7 @@ def test_texture_and_vertices_agree():
     floor = plate("Floor", half=2, steps=32)
     box("Wall", low=(2.1, -2, 0), high=(2.3, 2, 1.5))
     floor.data.materials.append(material())
-    bake(floor, samples=1024)
+    bake(floor, samples=1024, bounces="FITTED")
     add_world_light(floor)
     inner = np.abs(positions(floor)).max(axis=1) < 1.95
     by_vertex = emitted(floor, "Irradiance")[inner]
@@ -179,6 +179,19 @@ def test_clear_takes_it_out(target):
     changed = [line for line in differences(before, snapshot()) if "multibounce_ao" not in line]
     assert not [line for line in changed if line.startswith(("materials", "images", "objects", "meshes"))]
     assert group(floor.active_material) is None
+
+
+def test_add_nodes_brings_a_projected_world():
+    floor = plate()
+    floor.data.materials.append(material())
+    bake(floor, use_material_nodes=False, samples=4)
+    assert bpy.ops.multibounce_ao.add_nodes() == {"FINISHED"}
+    assert light_node(floor.active_material) is None
+    world((0.5, 1.0, 2.0))
+    project()
+    assert bpy.ops.multibounce_ao.add_nodes() == {"FINISHED"}
+    last = source(bsdf(floor.active_material).inputs["Base Color"]).node
+    assert source(last.inputs["Irradiance"]).node == light_node(floor.active_material)
 
 
 def test_refusals():
