@@ -9,7 +9,7 @@ panels/        draws
 
 import bpy
 
-from .operators import command_line, modal, occluder_cache, settings
+from .operators import command_line, modal, occluder_cache, settings, uv_checks, view_result
 from .operators.add_nodes import MULTIBOUNCE_AO_OT_add_curve_nodes, MULTIBOUNCE_AO_OT_add_nodes
 from .operators.apply_field import MULTIBOUNCE_AO_OT_apply_field
 from .operators.bake import MULTIBOUNCE_AO_OT_bake
@@ -17,6 +17,7 @@ from .operators.bake_field import MULTIBOUNCE_AO_OT_bake_field
 from .operators.clear import MULTIBOUNCE_AO_OT_clear
 from .operators.fit_bounces import MULTIBOUNCE_AO_OT_clear_fit, MULTIBOUNCE_AO_OT_fit_bounces
 from .operators.modal import MULTIBOUNCE_AO_OT_cancel
+from .operators.presets import MULTIBOUNCE_AO_OT_preset_add, MULTIBOUNCE_AO_OT_reset_settings
 from .operators.project_world import (
     MULTIBOUNCE_AO_OT_add_world_light,
     MULTIBOUNCE_AO_OT_clear_world,
@@ -25,6 +26,7 @@ from .operators.project_world import (
 from .panels.bake_panel import (
     MULTIBOUNCE_AO_PT_bake,
     MULTIBOUNCE_AO_PT_occlusion,
+    MULTIBOUNCE_AO_PT_presets,
     MULTIBOUNCE_AO_PT_result,
     MULTIBOUNCE_AO_PT_texture,
 )
@@ -47,6 +49,9 @@ CLASSES = (
     MULTIBOUNCE_AO_OT_project_world,
     MULTIBOUNCE_AO_OT_clear_world,
     MULTIBOUNCE_AO_OT_add_world_light,
+    MULTIBOUNCE_AO_OT_preset_add,
+    MULTIBOUNCE_AO_OT_reset_settings,
+    MULTIBOUNCE_AO_PT_presets,
     MULTIBOUNCE_AO_PT_bake,
     MULTIBOUNCE_AO_PT_occlusion,
     MULTIBOUNCE_AO_PT_texture,
@@ -64,9 +69,13 @@ def register() -> None:
     command_line.register()
     occluder_cache.register()
     modal.register()
+    uv_checks.register()
+    view_result.register()
 
 
 def unregister() -> None:
+    view_result.unregister()
+    uv_checks.unregister()
     modal.unregister()
     occluder_cache.unregister()
     command_line.unregister()

@@ -8,6 +8,7 @@ from collections.abc import Generator
 import bpy
 
 from .bake_job import bake
+from .forecast import remember
 from .modal import LongOperator
 from .poll import object_mode_with
 from .progress import Progress
@@ -35,6 +36,7 @@ class MULTIBOUNCE_AO_OT_bake(LongOperator, bpy.types.Operator):
 
     def work(self, context: bpy.types.Context) -> Generator[Progress, None, list[ObjectReport]]:
         settings = BakeSettings.of(context.scene)
+        self._bounces = settings.bounces
         return bake(context, selected_meshes(context), settings, selected=context.selected_objects)
 
     def tell(self, reports: list[ObjectReport]) -> set[str]:
@@ -48,6 +50,7 @@ class MULTIBOUNCE_AO_OT_bake(LongOperator, bpy.types.Operator):
             return {"CANCELLED"}
         for message in failed:
             self.report({"WARNING"}, message)
+        remember(baked, self._bounces)
         points, rays = sum(r.points for r in baked), sum(r.rays for r in baked)
         seconds = sum(r.seconds for r in baked)
         names = f"'{baked[0].name}'" if len(baked) == 1 else f"{len(baked)} objects"

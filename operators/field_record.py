@@ -46,6 +46,14 @@ def has_changed(obj: bpy.types.Object) -> bool:
     return bool(np.abs(proportions - obj[FIELD]["proportions"]).max() > 2 * SAME_PROPORTIONS)
 
 
+def is_uneven(obj: bpy.types.Object) -> bool:
+    """Whether ``obj`` is scaled by more along one of its axes than along another, or sheared."""
+    try:
+        return bool((proportions_of(np.array(obj.matrix_world)) != 1.0).any())
+    except BakeError:
+        return True
+
+
 def sharers(obj: bpy.types.Object) -> list[bpy.types.Object]:
     """``obj`` and the objects that are the same shape: a field of one is a field of all."""
     return [obj, *(other for other in bpy.data.objects if other != obj and _same_shape(obj, other))]

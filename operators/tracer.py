@@ -33,6 +33,11 @@ class RayCount:
 RAYS_OF_A_CELL = 100
 
 
+def light_rays(rays: int) -> int:
+    """What finding the light around a bake of so many ``rays`` costs, in such rays."""
+    return RAYS_OF_A_CELL * cells_wanted(rays)
+
+
 @dataclass(frozen=True)
 class Tracer:
     """Traces against ``occluders`` as ``settings`` say, with so many ``threads`` (None: one a core); ``count`` goes on
@@ -49,7 +54,7 @@ class Tracer:
         if self.settings.bounces == "FITTED":
             return 0.0
         rays = points * self.settings.samples
-        light = RAYS_OF_A_CELL * cells_wanted(rays)
+        light = light_rays(rays)
         return light / (light + rays)
 
     def light(self, probes: SurfacePoints, points: int, extent: float) -> Generator[float, None, LightCache | None]:

@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
-import textwrap
-
 import bpy
+from bl_ui.utils import PresetPanel
 
+from ..operators.bake import selected_meshes
+from ..operators.forecast import MOST_WARNINGS, forecast
 from ..operators.modal import Running, running
 from ..operators.names import PROPERTY
+from ..operators.presets import FOLDER
 from ..operators.report import count_text
 from .sidebar import SidebarPanel
 
@@ -16,8 +18,22 @@ from .sidebar import SidebarPanel
 SAMPLES = {"Draft": 16, "Good": 256, "Final": 1024}
 
 
+class MULTIBOUNCE_AO_PT_presets(PresetPanel, bpy.types.Panel):
+    bl_label = "Bake Presets"
+    preset_subdir = FOLDER
+    preset_operator = "script.execute_preset"
+    preset_add_operator = "multibounce_ao.preset_add"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        super().draw(context)
+        self.layout.operator("multibounce_ao.reset_settings", icon="LOOP_BACK")
+
+
 class MULTIBOUNCE_AO_PT_bake(SidebarPanel, bpy.types.Panel):
     bl_label = "Multibounce AO"
+
+    def draw_header_preset(self, context: bpy.types.Context) -> None:
+        MULTIBOUNCE_AO_PT_presets.draw_panel_header(self.layout)
 
     def draw(self, context: bpy.types.Context) -> None:
         settings = context.scene.multibounce_ao
@@ -28,6 +44,7 @@ class MULTIBOUNCE_AO_PT_bake(SidebarPanel, bpy.types.Panel):
             row = self.layout.row()
             row.scale_y = 1.5
             row.operator("multibounce_ao.bake", icon="RENDER_STILL")
+            self._forecast(context)
 
         column = self._column(self.layout)
         column.row().prop(settings, "target", expand=True)
@@ -39,6 +56,21 @@ class MULTIBOUNCE_AO_PT_bake(SidebarPanel, bpy.types.Panel):
         row = self.layout.row(align=True)
         row.operator("multibounce_ao.add_nodes", text="Add Nodes", icon="NODE_MATERIAL")
         row.operator("multibounce_ao.clear", text="Clear", icon="TRASH")
+        row = self.layout.row(align=True)
+        row.use_property_split = False
+        row.prop(context.window_manager, "multibounce_ao_view", expand=True)
+
+    def _forecast(self, context: bpy.types.Context) -> None:
+        """What the button will do, and what to know before."""
+        meshes = selected_meshes(context)
+        if not meshes or context.mode != "OBJECT":
+            return
+        told = forecast(meshes, context.scene.multibounce_ao)
+        self._wrapped(context, told.text(), "NONE")
+        for warning in told.warnings[:MOST_WARNINGS]:
+            self._wrapped(context, warning)
+        if len(told.warnings) > MOST_WARNINGS:
+            self.layout.label(text=f"And {len(told.warnings) - MOST_WARNINGS} more", icon="BLANK1")
 
     def _progress(self, run: Running) -> None:
         """Where the button was: what is at work, how far it is, and how to end it."""
@@ -132,10 +164,3 @@ class MULTIBOUNCE_AO_PT_result(SidebarPanel, bpy.types.Panel):
         self._table(self.layout, lines)
         for warning in record.get("warnings", ()):
             self._wrapped(context, warning)
-
-    def _wrapped(self, context: bpy.types.Context, text: str) -> None:
-        """Labels do not wrap: a line a label, by a rough width of a letter."""
-        letters = max(20, int(context.region.width / context.preferences.system.ui_scale / 7))
-        column = self.layout.column(align=True)
-        for line, words in enumerate(textwrap.wrap(text, letters)):
-            column.label(text=words, icon="BLANK1" if line else "ERROR")

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import bpy
 
-from ..operators.field_record import FIELD, has_changed, has_field
+from ..operators.field_record import FIELD, has_changed, has_field, is_uneven
 from ..operators.report import count_text
 from .sidebar import SidebarPanel
 
@@ -20,6 +20,8 @@ class MULTIBOUNCE_AO_PT_field(SidebarPanel, bpy.types.Panel):
         column = self._column(layout)
         for name in ("field_resolution", "use_field_volume"):
             column.prop(context.scene.multibounce_ao, name)
+        if obj is not None and obj.type == "MESH" and not has_field(obj) and is_uneven(obj):
+            self._wrapped(context, "Scaled unevenly: apply the scale first, for a field that any even scale keeps")
         layout.operator("multibounce_ao.bake_field", icon="SPHERE")
         layout.operator("multibounce_ao.apply_field", icon="MOD_SHRINKWRAP")
         if has_field(obj):

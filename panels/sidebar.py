@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterable
 
 import bpy
@@ -29,3 +30,10 @@ class SidebarPanel:
         for name, value in lines:
             names.label(text=name)
             values.label(text=value)
+
+    def _wrapped(self, context: bpy.types.Context, text: str, icon: str = "ERROR") -> None:
+        """Labels do not wrap: a line a label, by a rough width of a letter; ``icon`` before the first."""
+        letters = max(20, int(context.region.width / context.preferences.system.ui_scale / 7))
+        column = self.layout.column(align=True)
+        for line, words in enumerate(textwrap.wrap(text, letters)):
+            column.label(text=words, icon="BLANK1" if line and icon != "NONE" else icon)

@@ -104,6 +104,16 @@ def _arguments(function: bpy.types.Function, arguments, options) -> dict[str, ob
     return given
 
 
+class Context:
+    """The present context with a region that is as wide as Blender's sidebar, on a screen of plain pixels."""
+
+    region = SimpleNamespace(width=280)
+    preferences = SimpleNamespace(system=SimpleNamespace(ui_scale=1.0))
+
+    def __getattr__(self, name):
+        return getattr(bpy.context, name)
+
+
 def draw(panel: type[bpy.types.Panel]) -> list[Drawn]:
     """What ``panel`` shows in the present context; nothing where it does not show up at all."""
     if hasattr(panel, "poll") and not panel.poll(bpy.context):
@@ -112,5 +122,5 @@ def draw(panel: type[bpy.types.Panel]) -> list[Drawn]:
     for name in dir(panel):
         if not name.startswith("__") and callable(getattr(panel, name)) and name not in dir(bpy.types.Panel):
             setattr(probe, name, MethodType(getattr(panel, name), probe))
-    panel.draw(probe, bpy.context)
+    panel.draw(probe, Context())
     return probe.layout.drawn

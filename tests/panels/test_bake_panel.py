@@ -20,8 +20,9 @@ OPERATORS = {
 
 @pytest.fixture
 def panels(extension, empty_scene):
-    """The extension's panels by name, in the order of registration."""
-    found = [cls for cls in bpy.types.Panel.__subclasses__() if cls.__module__.startswith(extension.__name__)]
+    """The extension's panels of the sidebar by name, in the order of registration; not the menu of presets."""
+    ours = [cls for cls in bpy.types.Panel.__subclasses__() if cls.__module__.startswith(extension.__name__)]
+    found = [cls for cls in ours if cls.bl_region_type != "HEADER"]
     assert found
     return {cls.__name__: cls for cls in found}
 
@@ -55,7 +56,7 @@ def test_every_setting_and_operator_is_there_once(panels, active):
     names = [thing.name for thing in drawn if thing.kind == "prop"]
     assert len(names) == len(set(names))
     known = {p.identifier for p in bpy.context.scene.multibounce_ao.bl_rna.properties}
-    assert set(names) == known - {"rna_type", "name"}
+    assert set(names) == known - {"rna_type", "name"} | {"multibounce_ao_view"}
     assert {thing.name for thing in drawn if thing.kind == "operator"} == {*OPERATORS, "wm.context_set_int"}
 
 
@@ -109,14 +110,24 @@ def test_what_does_not_apply_is_grey(panels):
 
 def test_last_result(panels, plate):
     bpy.ops.multibounce_ao.clear()
-    before = everything(panels)
-    assert not [thing for thing in before if thing.kind == "label"]
+    assert draw(panels["MULTIBOUNCE_AO_PT_result"]) == []
     bpy.context.scene.multibounce_ao.samples = 100
     bpy.ops.multibounce_ao.bake()
-    labels = [thing.name for thing in everything(panels) if thing.kind == "label"]
+    labels = [thing.name for thing in draw(panels["MULTIBOUNCE_AO_PT_result"]) if thing.kind == "label"]
     assert {"4", "400"} < set(labels)  # points, rays
     assert any(re.fullmatch(r"\d+\.\d+ s", label) for label in labels)
     assert any(label.startswith("1.000") for label in labels)  # the mean
+
+
+def test_what_the_button_will_do_stands_under_it(panels, plate):
+    bpy.context.scene.multibounce_ao.samples = 100
+    plate.hide_render = True
+    button, *labels = everything(panels)[:3]
+    assert button.name == "multibounce_ao.bake"
+    assert labels[0].name.startswith("1 object, 4 points, 400 rays")
+    assert labels[1].name.startswith("'Plane' is disabled in renders")
+    plate.select_set(False)
+    assert everything(panels)[1].kind == "prop"
 
 
 def test_panels_stand_in_the_sidebar_of_the_viewport(panels):

@@ -18,6 +18,7 @@ OPERATORS = {
     "project_world": "Project World",
     "clear_world": "Use White World",
     "add_world_light": "Add World Light",
+    "reset_settings": "Reset to Defaults",
 }
 
 

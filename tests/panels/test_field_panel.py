@@ -30,6 +30,15 @@ def test_nothing_to_tell_before_a_bake(panel, cube):
     assert labels(panel) == []
 
 
+def test_warns_of_an_uneven_scale_before_a_bake(panel, cube):
+    cube.scale = (2, 2, 2)
+    bpy.context.view_layer.update()
+    assert labels(panel) == []
+    cube.scale.x = 1
+    bpy.context.view_layer.update()
+    assert labels(panel)[0].startswith("Scaled unevenly: apply the scale")
+
+
 def test_tells_of_the_field(panel, cube):
     bpy.ops.multibounce_ao.bake_field()
     assert {"Cube", "8 x 8"} <= set(labels(panel))

@@ -28,6 +28,7 @@ def play() -> Generator[float | Callable[[], bool], None, None]:
     """All scenes, one after another."""
     results = {}
     for scene in SCENES:
+        print(f"{time.monotonic():.1f} {scene.__name__}", flush=True)
         try:
             outcome = yield from scene(folder)
         except Exception:

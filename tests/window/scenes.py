@@ -115,8 +115,18 @@ def bake_and_undo(folder):
     yield from click_first_button()
     yield lambda: idle() and MARK in monkey
     yield 0.5
+    with in_viewport():
+        bpy.ops.view3d.view_axis(type="FRONT")
+        bpy.ops.view3d.view_selected()
+    yield 0.5
     photograph(folder / "baked.xwd")
     in_window = attribute(monkey)
+    manager = bpy.context.window_manager
+    for view in ("AO", "BOUNCES", "BENT"):
+        manager.multibounce_ao_view = view
+        yield 0.3
+        photograph(folder / f"view_{view.lower()}.xwd")
+    manager.multibounce_ao_view = "OFF"
     move_into_view()
     press("Z", ctrl=True)
     yield lambda: MARK not in bpy.data.objects["Suzanne"]
@@ -150,6 +160,13 @@ def undo_while_baking(folder):
     changed = [line for line in differences(before, snapshot()) if ".multibounce_ao." not in line]
     start()
     yield lambda: idle() and MARK in bpy.data.objects["Suzanne"]
+    change_settings(target="TEXTURE", resolution=128)
+    start()
+    yield lambda: idle() and bpy.data.objects["Suzanne"][MARK]["target"] == "TEXTURE"
+    bpy.context.window_manager.multibounce_ao_view = "AO"
+    yield 0.5
+    photograph(folder / "view_texture.xwd")
+    bpy.context.window_manager.multibounce_ao_view = "OFF"
     return {"ended": ended, "differences": changed}
 
 
@@ -206,14 +223,17 @@ def close_the_window(folder):
 
 
 def other_long_operators(folder):
-    """AO fields and bounce curves run in the window too."""
+    """An AO field to its end, and bounce curves that are cancelled by the button."""
     (monkey,) = monkeys()
     change_settings(target="VERTEX", samples=32, field_resolution=8)
     states = [list(start("bake_field"))]
     yield lambda: idle() and "multibounce_ao_field" in monkey
     states.append(list(start("fit_bounces")))
-    yield lambda: idle() and "multibounce_ao_fit" in window().scene
-    return {"states": states}
+    yield at_work
+    with in_viewport():
+        bpy.ops.multibounce_ao.cancel()
+    yield idle
+    return {"states": states, "fitted": "multibounce_ao_fit" in window().scene}
 
 
 def open_a_file_while_baking(folder):

@@ -35,6 +35,7 @@ def played(tmp_path_factory):
     PICTURES.mkdir(parents=True, exist_ok=True)
     for photograph in sorted(folder.glob("*.xwd")):
         write_png(PICTURES / f"{photograph.stem}.png", photograph)
+    print(done.stdout)
     results = folder / "results.json"
     return json.loads(results.read_text()) if results.exists() else {}, done
 
@@ -89,7 +90,7 @@ def test_close_the_window(scene):
 
 
 def test_other_long_operators(scene):
-    assert scene["states"] == [["RUNNING_MODAL"]] * 2
+    assert scene == {"states": [["RUNNING_MODAL"]] * 2, "fitted": False}
 
 
 def test_open_a_file_while_baking(scene):
