@@ -25,6 +25,7 @@ from .panels.bake_panel import (
     MULTIBOUNCE_AO_PT_bake,
     MULTIBOUNCE_AO_PT_occlusion,
     MULTIBOUNCE_AO_PT_result,
+    MULTIBOUNCE_AO_PT_selected_to_active,
     MULTIBOUNCE_AO_PT_texture,
 )
 from .panels.field_panel import MULTIBOUNCE_AO_PT_field
@@ -47,6 +48,7 @@ CLASSES = (
     MULTIBOUNCE_AO_OT_add_world_light,
     MULTIBOUNCE_AO_PT_bake,
     MULTIBOUNCE_AO_PT_occlusion,
+    MULTIBOUNCE_AO_PT_selected_to_active,
     MULTIBOUNCE_AO_PT_texture,
     MULTIBOUNCE_AO_PT_result,
     MULTIBOUNCE_AO_PT_fit,

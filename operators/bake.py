@@ -32,6 +32,10 @@ class MULTIBOUNCE_AO_OT_bake(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         settings = BakeSettings.of(context.scene)
+        one_target = settings.use_selected_to_active and not settings.use_match_names
+        if one_target and context.active_object not in selected_meshes(context):
+            self.report({"ERROR"}, "Selected to Active bakes onto the active mesh, and none is: select it last")
+            return {"CANCELLED"}
         work = bake(context, selected_meshes(context), settings, selected=context.selected_objects)
         show = StderrProgress() if bpy.app.background else lambda step: _show_in_cursor(context, step)
         context.window_manager.progress_begin(0, 100)

@@ -19,6 +19,7 @@ import numpy as np
 from ..core.rays import Occluders
 from ..core.workers import mapped
 from .bake_record import record_bake
+from .high_to_low import pairs, read_projection
 from .images import check_image_names, is_nowhere, output_folder
 from .mesh_reader import evaluated_mesh, read_surface
 from .names import CHANNELS
@@ -45,13 +46,16 @@ def bake(
     """Bake ``objects`` (meshes of the context's view layer) and return a report for each, in their order.
 
     An object that cannot be baked has its ``error`` set, and the others are done. Raises BakeError where the settings
-    allow no bake at all.
+    allow no bake at all. With Selected to Active the first of ``objects`` is the active one, and reports are of those
+    that are baked to.
 
     threads     default one a core; it changes no bit of the result
     selected    what else blocks light with the occluders 'SELECTED'
     store_each  write each object when it is done, not all at the end: memory is that of one object's result, and
                 closing the generator keeps those
     """
+    sources = pairs(objects, selected, settings)
+    objects = objects if sources is None else list(sources)
     warnings = []
     if settings.target == "TEXTURE" and is_nowhere(settings.output_directory):
         warnings.append(
@@ -63,7 +67,7 @@ def bake(
         ObjectReport(obj.name, settings.target, samples=settings.samples, warnings=[*warnings]) for obj in objects
     ]
     done: list[tuple[bpy.types.Object, ObjectReport, VertexResult | TextureResult | None]] = []
-    scenes = OccluderScenes(context, objects, selected, settings)
+    scenes = OccluderScenes(context, objects, selected, settings, sources)
     tracer = partial(Tracer, settings=settings, threads=threads)
     baked_meshes: dict[bpy.types.Mesh, ObjectReport] = {}
     for index, (obj, report) in enumerate(zip(objects, reports, strict=True)):
@@ -73,7 +77,8 @@ def bake(
         if settings.target == "VERTEX" and obj.data in baked_meshes:
             _share(baked_meshes[obj.data], report, settings.bounces)
         else:
-            work = _bake_object(context, obj, settings, folder, scenes, tracer, report, threads)
+            partners = None if sources is None else sources[obj]
+            work = _bake_object(context, obj, partners, settings, folder, scenes, tracer, report, threads)
             try:
                 result = yield from mapped(work, partial(_progress, index, len(objects), obj.name))
             except BakeError as error:
@@ -107,6 +112,7 @@ def _progress(index: int, count: int, name: str, part: float) -> Progress:
 def _bake_object(
     context: bpy.types.Context,
     obj: bpy.types.Object,
+    partners: Collection[bpy.types.Object] | None,
     settings: BakeSettings,
     folder: str,
     scenes: OccluderScenes,
@@ -114,7 +120,8 @@ def _bake_object(
     report: ObjectReport,
     threads: int | None,
 ) -> Generator[float, None, VertexResult | TextureResult]:
-    """Compute the bake of one object; yields the fraction done. Raises BakeError."""
+    """Compute the bake of one object, of its own surface or of that of its ``partners``; yields the fraction done.
+    Raises BakeError."""
     check_object(obj, context.view_layer)
     tracer = tracer(scenes.scene_for(obj, report.warnings))
     if settings.bounces == "RADIOSITY":
@@ -124,15 +131,16 @@ def _bake_object(
     # Blender's mesh is only held while it is read: it may be gone after a yield.
     with evaluated_mesh(evaluated) as mesh:
         check_evaluated(mesh, matrix)
+        projection = None if partners is None else read_projection(context, obj, mesh, partners, settings)
         if settings.target == "VERTEX":
             check_attribute_names(obj, settings.bounces)
-            work = bake_vertices(obj.data, vertex_points(obj, mesh, matrix), matrix, tracer, report)
+            points = vertex_points(obj, mesh, matrix, projection and projection.cage)
+            work = bake_vertices(obj.data, points, matrix, tracer, report, projection)
         else:
             check_image_names(obj, settings.bounces)
             uv_map = uv_map_name(mesh, settings.uv_map)
-            work = bake_texture(
-                obj, read_surface(mesh, matrix, uv_map), uv_map, matrix, tracer, report, settings, folder, threads
-            )
+            surface = read_surface(mesh, matrix, uv_map)
+            work = bake_texture(obj, surface, uv_map, matrix, tracer, report, settings, folder, projection, threads)
     return (yield from work)
 
 

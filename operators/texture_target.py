@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Generator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import bpy
 import numpy as np
@@ -14,11 +14,13 @@ from ..core.adjacent_faces import AdjacentFaces
 from ..core.exr import write_exr
 from ..core.fill import fill_texels
 from ..core.margin import extend_margin
+from ..core.projection import ProjectedPoints
 from ..core.rasterise import bands, rasterise
-from ..core.sample_points import CornerTable, TexelPoints, spread_points, texel_places
+from ..core.sample_points import PROBES, CornerTable, TexelPoints, spread_points, texel_places
 from ..core.surface import Surface
 from ..core.whole_files import whole_files
 from ..core.workers import Workers, mapped, slices
+from .high_to_low import Projection
 from .images import file_metadata, file_path, store_image
 from .mesh_reader import linear_inverse
 from .names import CHANNELS
@@ -29,8 +31,6 @@ from .uv_layout import check_layout, expected_texels, overlaps
 
 # Texels whose channels a thread computes together.
 TEXELS_PER_PART = 2**15
-# Points all over the surface from which the light around it is found.
-PROBES = 2**16
 
 
 @dataclass(frozen=True)
@@ -70,11 +70,13 @@ def bake_texture(
     report: ObjectReport,
     settings: BakeSettings,
     folder: str,
+    projection: Projection | None,
     threads: int | None,
 ) -> Generator[float, None, TextureResult]:
     """Bake the texels of ``obj``, whose evaluated ``surface`` has the UVs of ``uv_map``; yields the fraction done.
 
-    ``matrix`` (4, 4) places the object; ``threads`` rasterise. Raises BakeError where the UV map leaves nothing to
+    ``matrix`` (4, 4) places the object; its texels show its own surface, or that of a ``projection``; ``threads``
+    rasterise. Raises BakeError where the UV map leaves nothing to
     bake.
     """
     triangle_uv = surface.corner_uv[surface.triangles]
@@ -87,14 +89,22 @@ def bake_texture(
     covered, known = np.zeros((2, size * size), bool)
     places = texel_places(settings.samples)
     corners = CornerTable(surface)
-    lighting = tracer.light(spread_points(corners, PROBES), expected_texels(triangle_uv, size), surface.extent)
+    shown, extent, cage = corners, surface.extent, None
+    if projection is not None:
+        shown, extent = projection.high.corners, projection.high.extent
+        if projection.cage is not None:
+            cage = CornerTable(replace(surface, vertices=projection.cage))
+    lighting = tracer.light(spread_points(shown, PROBES), expected_texels(triangle_uv, size), extent)
     cache = yield from mapped(lighting, lambda done: LIGHT_SHARE * done)
     begin = LIGHT_SHARE if cache else 0.0
     for first, last in bands(size, size, places):
         texels = rasterise(triangle_uv, size, size, places, (first, last), threads)
         if not len(texels.texel):
             continue
-        tracing = tracer.visibility(TexelPoints(corners, texels, size), surface.extent, cache)
+        points = TexelPoints(corners, texels, size)
+        if projection is not None:
+            points = ProjectedPoints(points, projection.high, cage and TexelPoints(cage, texels, size))
+        tracing = tracer.visibility(points, extent, cache)
         rows = (last - first) / len(texels.texel)
 
         def fraction(done: int, first=first, rows=rows) -> float:
@@ -106,19 +116,19 @@ def bake_texture(
             for channel, values in tracer.channels(visibility[part], world_to_object).items():
                 images[channel][texel[part]] = values
             covered[texel[part]] = True
-            known[texel[part]] = True if visibility.buried is None else ~visibility.buried[part]
+            known[texel[part]] = ~visibility.lost[part]
 
         with Workers(threads) as workers:
             workers.map(fill, slices(len(texels.texel), TEXELS_PER_PART))
         report.points += len(texels.texel)
-        f0.append(visibility.f0 if visibility.buried is None else visibility.f0[~visibility.buried])
+        f0.append(visibility.f0[~visibility.lost])
     if not report.points:
         raise BakeError(f"touches no texel in UV map '{uv_map}': pack its islands (UV > Pack Islands)")
     if overlaps(triangle_uv, report.points, size):
         report.warnings.append(
             f"UV map '{uv_map}' overlaps itself: where faces share texels, one of them decides their colour"
         )
-    report.tell_f0(np.concatenate(f0), "texels")
+    report.tell_f0(np.concatenate(f0), "texels", projection is not None)
 
     images = {channel: pixels.reshape(size, size, 4) for channel, pixels in images.items()}
     covered, known = covered.reshape(size, size), known.reshape(size, size)

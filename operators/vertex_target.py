@@ -11,9 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.fill import fill_points
-from ..core.sample_points import CornerTable, SurfacePoints
+from ..core.projection import ProjectedPoints
+from ..core.sample_points import PROBES, CornerTable, SurfacePoints, spread_points
 from ..core.surface import extent_of, unit
 from ..core.workers import mapped
+from .high_to_low import Projection
 from .mesh_reader import linear_inverse, read, read_corner_vertices, read_positions, read_surface, to_world
 from .names import ALL_CHANNELS, CHANNELS
 from .nearest_point import nearest_points
@@ -38,6 +40,7 @@ class VertexPoints:
     extent              size of the surface, world units
     moved               furthest that a vertex is from its point, or None where the mesh keeps its topology
     lift                (k,) float64, see :class:`core.sample_points.SurfacePoints`
+    cage                (k, 3) float64, where they are on a cage
     """
 
     positions: NDArray[np.float64]
@@ -47,6 +50,7 @@ class VertexPoints:
     extent: float
     moved: float | None = None
     lift: NDArray[np.float64] | None = None
+    cage: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True)
@@ -65,9 +69,15 @@ class VertexResult:
 
 
 def bake_vertices(
-    mesh: bpy.types.Mesh, points: VertexPoints, matrix: NDArray, tracer: Tracer, report: ObjectReport
+    mesh: bpy.types.Mesh,
+    points: VertexPoints,
+    matrix: NDArray,
+    tracer: Tracer,
+    report: ObjectReport,
+    projection: Projection | None = None,
 ) -> Generator[float, None, VertexResult]:
-    """Trace the ``points`` of ``mesh``, which ``matrix`` (4, 4) places in the world; yields the fraction done."""
+    """Trace the ``points`` of ``mesh``, which ``matrix`` (4, 4) places in the world, or what they show of a
+    ``projection``; yields the fraction done."""
     report.points = len(points.positions)
     if points.moved is not None:
         away = f"up to {points.moved:.3g} away" if points.moved > 1e-3 * points.extent else "where they lie on it"
@@ -76,16 +86,19 @@ def bake_vertices(
             f"surface, {away}"
         )
     starts = SurfacePoints(points.positions, points.normals, points.lift)
-    cache = yield from mapped(tracer.light(starts, len(starts), points.extent), lambda done: LIGHT_SHARE * done)
+    probes, extent = starts, points.extent
+    if projection is not None:
+        cage = None if points.cage is None else SurfacePoints(points.cage, points.normals)
+        starts = ProjectedPoints(starts, projection.high, cage)
+        probes, extent = spread_points(projection.high.corners, PROBES), projection.high.extent
+    cache = yield from mapped(tracer.light(probes, len(starts), extent), lambda done: LIGHT_SHARE * done)
     begin = LIGHT_SHARE if cache else 0.0
-    tracing = tracer.visibility(starts, points.extent, cache)
+    tracing = tracer.visibility(starts, extent, cache)
     visibility = yield from mapped(tracing, lambda done: begin + (1.0 - begin) * done / report.points)
     channels = tracer.channels(visibility, linear_inverse(matrix))
-    if visibility.buried is None or not visibility.buried.any():
-        report.tell_f0(visibility.f0, "points")
-    else:
-        known = ~visibility.buried
-        report.tell_f0(visibility.f0[known], "points")
+    known = ~visibility.lost
+    report.tell_f0(visibility.f0[known], "points", projection is not None)
+    if not known.all():
         fill_points(list(channels.values()), known, _edges(mesh, points))
     return VertexResult(mesh, points.domain, {name: values[points.element_point] for name, values in channels.items()})
 
@@ -101,8 +114,11 @@ def _edges(mesh: bpy.types.Mesh, points: VertexPoints) -> NDArray[np.intp]:
     return np.column_stack((corner, corner[following]))
 
 
-def vertex_points(obj: bpy.types.Object, evaluated: bpy.types.Mesh, matrix: NDArray) -> VertexPoints:
-    """Where the elements of the mesh of ``obj`` are sampled on ``evaluated``, the surface that its modifiers make.
+def vertex_points(
+    obj: bpy.types.Object, evaluated: bpy.types.Mesh, matrix: NDArray, cage: NDArray | None = None
+) -> VertexPoints:
+    """Where the elements of the mesh of ``obj`` are sampled on ``evaluated``, the surface that its modifiers make;
+    ``cage`` (n, 3) has the positions of that surface's vertices on a cage.
 
     A mesh with flat faces or sharp edges has several normals at a vertex, so it gets a value a face corner. Where
     modifiers change the topology, the original vertices go to the nearest point of the evaluated surface.
@@ -111,20 +127,23 @@ def vertex_points(obj: bpy.types.Object, evaluated: bpy.types.Mesh, matrix: NDAr
     points_of = _vertices if mesh.normals_domain == evaluated.normals_domain == "POINT" else _corners
     same_corners = np.array_equal(read_corner_vertices(mesh), read_corner_vertices(evaluated))
     if same_corners and len(mesh.vertices) == len(evaluated.vertices):
-        return points_of(evaluated, matrix)
+        points = points_of(evaluated, matrix)
+        return points if cage is None else replace(points, cage=points_of(evaluated, matrix, cage).positions)
+    if cage is not None:
+        raise BakeError("has modifiers that change its topology, so its vertices have no place on a cage: apply them")
     surface = read_surface(evaluated, matrix)
     positions = surface.vertices[: len(mesh.vertices)] if _vertices_come_first(obj) else None
     points = points_of(mesh, matrix, positions)
     triangle, barycentric = nearest_points(points.positions, points.normals, surface)
-    corners, places = CornerTable(surface), (triangle, barycentric[:, 1], barycentric[:, 2])
-    positions, normals = (each.T for each in corners.at(*places))
+    start = CornerTable(surface).start(triangle, barycentric[:, 1], barycentric[:, 2])
+    positions, normals = start.positions.T, start.normals.T
     return replace(
         points,
         positions=positions,
         normals=normals,
         extent=surface.extent,
         moved=float(np.linalg.norm(positions - points.positions, axis=1).max()),
-        lift=corners.lift(*places),
+        lift=start.lift,
     )
 
 

@@ -62,6 +62,27 @@ class MULTIBOUNCE_AO_PT_occlusion(SidebarPanel, bpy.types.Panel):
         column.prop(settings, "seed")
 
 
+class MULTIBOUNCE_AO_PT_selected_to_active(SidebarPanel, bpy.types.Panel):
+    bl_label = "Selected to Active"
+    bl_parent_id = "MULTIBOUNCE_AO_PT_bake"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw_header(self, context: bpy.types.Context) -> None:
+        self.layout.prop(context.scene.multibounce_ao, "use_selected_to_active", text="")
+
+    def draw(self, context: bpy.types.Context) -> None:
+        settings = context.scene.multibounce_ao
+        column = self._column(self.layout)
+        column.active = settings.use_selected_to_active
+        column.prop(settings, "use_match_names")
+        column.separator()
+        column.prop(settings, "cage_object")
+        extrusion = column.row()
+        extrusion.active = settings.cage_object is None
+        extrusion.prop(settings, "cage_extrusion", text="Extrusion")
+        column.prop(settings, "max_ray_distance")
+
+
 class MULTIBOUNCE_AO_PT_texture(SidebarPanel, bpy.types.Panel):
     bl_label = "Texture"
     bl_parent_id = "MULTIBOUNCE_AO_PT_bake"

@@ -63,7 +63,8 @@ def test_settings_are_those_of_the_contract():
         "use_ground_plane": False, "ignore_backfaces": False, "bounces": "BAKED", "use_material_nodes": True,
         "seed": 0, "resolution": 1024, "margin": 16, "uv_map": "", "output_directory": "", "height_map": None,
         "height_map_amplitude": pytest.approx(0.04), "field_resolution": 16,
-        "color_depth": "32", "exr_codec": "ZIP", "margin_type": "ADJACENT_FACES",
+        "use_selected_to_active": False, "use_match_names": False, "cage_object": None, "cage_extrusion": 0.0,
+        "max_ray_distance": 0.0, "color_depth": "32", "exr_codec": "ZIP", "margin_type": "ADJACENT_FACES",
     }  # fmt: skip
     assert {p.identifier: getattr(p, "default", None) for p in settings()} == defaults
     choices = {p.identifier: [item.identifier for item in p.enum_items] for p in settings() if p.type == "ENUM"}
@@ -80,7 +81,8 @@ def test_settings_are_those_of_the_contract():
 
 def test_quantities_have_units():
     units = {p.identifier: (p.subtype, p.unit) for p in settings()}
-    assert units["max_distance"] == ("DISTANCE", "LENGTH")
+    for name in ("max_distance", "cage_extrusion", "max_ray_distance"):
+        assert units[name] == ("DISTANCE", "LENGTH")
     assert units["resolution"][0] == units["field_resolution"][0] == "PIXEL"
     assert units["margin"][0] == "PIXEL"
     assert units["output_directory"][0] == "DIR_PATH"
