@@ -19,8 +19,9 @@ import numpy as np
 from ..core.rays import Occluders
 from ..core.workers import mapped
 from .bake_record import record_bake
+from .base_color import read_own_albedo
 from .high_to_low import pairs, read_projection
-from .images import check_image_names, is_nowhere, output_folder
+from .images import check_image_names, image_channels, is_nowhere, output_folder
 from .mesh_reader import evaluated_mesh, read_surface
 from .names import CHANNELS
 from .object_checks import check_evaluated, check_object
@@ -128,6 +129,9 @@ def _bake_object(
         tracer = replace(tracer, albedo=scenes.albedo(report.warnings))
     evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
     matrix = np.array(evaluated.matrix_world, np.float64)
+    albedo = None
+    if settings.target == "TEXTURE" and settings.use_colored_ao_map and settings.bounces != "RADIOSITY":
+        albedo = read_own_albedo(evaluated, matrix, report.warnings)
     # Blender's mesh is only held while it is read: it may be gone after a yield.
     with evaluated_mesh(evaluated) as mesh:
         check_evaluated(mesh, matrix)
@@ -137,10 +141,11 @@ def _bake_object(
             points = vertex_points(obj, mesh, matrix, projection and projection.cage)
             work = bake_vertices(obj.data, points, matrix, tracer, report, projection)
         else:
-            check_image_names(obj, settings.bounces)
+            check_image_names(obj, image_channels(settings))
             uv_map = uv_map_name(mesh, settings.uv_map)
             surface = read_surface(mesh, matrix, uv_map)
-            work = bake_texture(obj, surface, uv_map, matrix, tracer, report, settings, folder, projection, threads)
+            shown = projection, albedo
+            work = bake_texture(obj, surface, uv_map, matrix, tracer, report, settings, folder, *shown, threads)
     return (yield from work)
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import bpy
 
 from ..shader_nodes import bent_cone, multibounce_ao, multibounce_curve, multibounce_fit, multibounce_radiosity
+from .gltf_occlusion import GLTF
 from .names import BENT_CONE, MULTIBOUNCE_AO, PROPERTY, RADIOSITY
 
 # For each kind of bounces, and for the curve, which takes the F0 of either bake: the group, and which channel's output
@@ -49,7 +50,7 @@ def plug(material: bpy.types.Material, bounces: str, source: BakedSource | None)
 
     Groups that are there already keep their place; they get the new source, and without one keep theirs.
     """
-    _turn_nodes_on(material)
+    turn_nodes_on(material)
     tree = material.node_tree
     module, inputs = GROUPS[bounces]
     group_tree = module.ensure()
@@ -267,7 +268,7 @@ def _is_ours(node: bpy.types.Node) -> bool:
 
 
 def _is_our_group(node: bpy.types.Node) -> bool:
-    return _is_ours(node) and node.bl_idname == "ShaderNodeGroup" and _WORLD_LIGHT not in node
+    return _is_ours(node) and node.bl_idname == "ShaderNodeGroup" and _WORLD_LIGHT not in node and GLTF not in node
 
 
 def _world_lights(tree: bpy.types.NodeTree) -> list[bpy.types.Node]:
@@ -275,11 +276,11 @@ def _world_lights(tree: bpy.types.NodeTree) -> list[bpy.types.Node]:
 
 
 def _remove_sources(tree: bpy.types.NodeTree) -> None:
-    for node in [node for node in tree.nodes if _is_ours(node) and node.bl_idname != "ShaderNodeGroup"]:
+    for node in [n for n in tree.nodes if _is_ours(n) and n.bl_idname != "ShaderNodeGroup" and GLTF not in n]:
         tree.nodes.remove(node)
 
 
-def _turn_nodes_on(material: bpy.types.Material) -> None:
+def turn_nodes_on(material: bpy.types.Material) -> None:
     """Before 5.0 a material could do without nodes: it then shows its viewport colour, which the new BSDF takes
     over."""
     if bpy.app.version >= (5, 0, 0) or material.use_nodes:

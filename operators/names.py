@@ -10,6 +10,12 @@ BENT_CONE = "Bent Cone"
 RADIOSITY = "Multibounce Radiosity"
 """Attribute or image: E/E0 in red, green and blue, and F0."""
 
+AO_MAP = "AO"
+"""Image: F0 as grey, for other programs."""
+
+COLORED_AO_MAP = "Colored AO"
+"""Image: E/E0 in red, green and blue, for other programs."""
+
 CHANNELS = {
     "FITTED": (MULTIBOUNCE_AO, BENT_CONE),
     "BAKED": (MULTIBOUNCE_AO, BENT_CONE),
@@ -24,6 +30,8 @@ MEANINGS = {
     MULTIBOUNCE_AO: ("F0", "F1", "F2", "T"),
     RADIOSITY: ("red", "green", "blue", "F0"),
     BENT_CONE: ("x", "y", "z", "alpha"),
+    AO_MAP: ("F0", "F0", "F0"),
+    COLORED_AO_MAP: ("red", "green", "blue"),
 }
 """What red, green, blue and alpha of each hold."""
 

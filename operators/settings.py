@@ -148,6 +148,33 @@ class MultibounceAOSettings(bpy.types.PropertyGroup):
         ),
         default="ZIP",
     )
+    use_ao_map: BoolProperty(
+        name="AO Map",
+        description="Write a grey map of ambient occlusion too, for other programs",
+        default=False,
+    )
+    use_colored_ao_map: BoolProperty(
+        name="Colored AO Map",
+        description="Write the light of all bounces too, in the base colour that the material has now. Other programs "
+        "multiply the base colour by it",
+        default=False,
+    )
+    map_format: EnumProperty(
+        name="Map Format",
+        description="File format of the maps for other programs",
+        items=(
+            ("PNG_8", "PNG (8-bit)", "256 steps a channel"),
+            ("PNG_16", "PNG (16-bit)", "65536 steps a channel"),
+            ("OPEN_EXR", "OpenEXR", "Floats, with the color depth and codec chosen here"),
+        ),
+        default="PNG_8",
+    )
+    use_gltf_occlusion: BoolProperty(
+        name="glTF Occlusion",
+        description="Plug the AO map into the Occlusion of a node group 'glTF Material Output', so that glTF exports "
+        "carry it",
+        default=False,
+    )
     use_selected_to_active: BoolProperty(
         name="Selected to Active",
         description="Bake what the surfaces of the other selected objects see onto the active one",
@@ -231,6 +258,10 @@ class BakeSettings:
     output_directory: str
     color_depth: str
     exr_codec: str
+    use_ao_map: bool
+    use_colored_ao_map: bool
+    map_format: str
+    use_gltf_occlusion: bool
     use_selected_to_active: bool
     use_match_names: bool
     cage_object: bpy.types.Object | None

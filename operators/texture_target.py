@@ -5,12 +5,15 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
 from ..core.adjacent_faces import AdjacentFaces
+from ..core.albedo import Albedo
 from ..core.exr import write_exr
 from ..core.fill import fill_texels
 from ..core.margin import extend_margin
@@ -20,8 +23,9 @@ from ..core.sample_points import PROBES, CornerTable, TexelPoints, spread_points
 from ..core.surface import Surface
 from ..core.whole_files import whole_files
 from ..core.workers import Workers, mapped, slices
+from .derived_maps import colour_space, derive, extension, write_map
 from .high_to_low import Projection
-from .images import file_metadata, file_path, store_image
+from .images import file_metadata, file_path, map_names, store_file, store_image
 from .mesh_reader import linear_inverse
 from .names import CHANNELS
 from .report import BakeError, ObjectReport
@@ -35,30 +39,55 @@ TEXELS_PER_PART = 2**15
 
 @dataclass(frozen=True)
 class TextureResult:
-    """Images (h, w, 4) float32 of one object by channel, ready to be stored in ``folder``, or packed where that is
-    empty."""
+    """Images (h, w, 4) of one object by channel, ready to be stored in ``folder``, or packed where that is empty; and
+    the base colour (h, w, 3), where a map needs it."""
 
     obj: bpy.types.Object
     uv_map: str
     folder: str
     settings: BakeSettings
     channels: dict[str, NDArray[np.float32]]
+    albedo: NDArray[np.float32] | None
 
     def write(self) -> list[str]:
         """Store the images; returns their files or names. Raises OSError where a file cannot be written."""
-        if self.folder:
-            # All files before any of them takes its name, and before any image: where one cannot be written, the disk
-            # and the .blend stay as they were.
-            with whole_files(*(file_path(self.obj, channel, self.folder) for channel in self.channels)) as parts:
-                for part, (channel, pixels) in zip(parts, self.channels.items(), strict=True):
-                    write_exr(
-                        part,
-                        pixels,
-                        half=self.settings.color_depth == "16",
-                        codec=self.settings.exr_codec,
-                        metadata=file_metadata(self.obj, channel, self.uv_map, self.settings),
-                    )
-        return [store_image(self.obj, channel, pixels, self.folder) for channel, pixels in self.channels.items()]
+        maps = map_names(self.settings)
+        if not self.folder:
+            stored = [store_image(self.obj, channel, pixels, "") for channel, pixels in self.channels.items()]
+            with TemporaryDirectory() as folder:
+                paths = [Path(folder) / f"{number}{extension(self.settings)}" for number in range(len(maps))]
+                self._write_maps(dict(zip(maps, paths, strict=True)))
+                return stored + self._store_maps(dict(zip(maps, paths, strict=True)), is_packed=True)
+        files = {channel: file_path(self.obj, channel, self.folder) for channel in self.channels}
+        files |= {name: file_path(self.obj, name, self.folder, extension(self.settings)) for name in maps}
+        # All files before any of them takes its name, and before any image: where one cannot be written, the disk and
+        # the .blend stay as they were.
+        with whole_files(*files.values()) as parts:
+            parts = dict(zip(files, parts, strict=True))
+            for channel, pixels in self.channels.items():
+                write_exr(
+                    parts[channel],
+                    pixels,
+                    half=self.settings.color_depth == "16",
+                    codec=self.settings.exr_codec,
+                    metadata=self._metadata(channel),
+                )
+            self._write_maps({name: parts[name] for name in maps})
+        stored = [store_image(self.obj, channel, pixels, self.folder) for channel, pixels in self.channels.items()]
+        return stored + self._store_maps({name: files[name] for name in maps}, is_packed=False)
+
+    def _write_maps(self, paths: dict[str, Path]) -> None:
+        for name, path in paths.items():
+            write_map(path, name, derive(name, self.channels, self.albedo), self.settings, self._metadata(name))
+
+    def _store_maps(self, paths: dict[str, Path], is_packed: bool) -> list[str]:
+        return [
+            store_file(self.obj, name, path, colour_space(name, self.settings), is_packed)
+            for name, path in paths.items()
+        ]
+
+    def _metadata(self, channel: str) -> dict[str, str]:
+        return file_metadata(self.obj, channel, self.uv_map, self.settings)
 
 
 def bake_texture(
@@ -71,12 +100,13 @@ def bake_texture(
     settings: BakeSettings,
     folder: str,
     projection: Projection | None,
+    albedo: Albedo | None,
     threads: int | None,
 ) -> Generator[float, None, TextureResult]:
     """Bake the texels of ``obj``, whose evaluated ``surface`` has the UVs of ``uv_map``; yields the fraction done.
 
-    ``matrix`` (4, 4) places the object; its texels show its own surface, or that of a ``projection``; ``threads``
-    rasterise. Raises BakeError where the UV map leaves nothing to
+    ``matrix`` (4, 4) places the object; its texels show its own surface, or that of a ``projection``; ``albedo``
+    of its triangles is kept for the maps; ``threads`` rasterise. Raises BakeError where the UV map leaves nothing to
     bake.
     """
     triangle_uv = surface.corner_uv[surface.triangles]
@@ -85,6 +115,7 @@ def bake_texture(
     size = settings.resolution
     world_to_object = linear_inverse(matrix)
     images = {channel: np.zeros((size * size, 4), np.float32) for channel in CHANNELS[settings.bounces]}
+    colours = None if albedo is None else np.zeros((size * size, 3), np.float32)
     f0 = []
     covered, known = np.zeros((2, size * size), bool)
     places = texel_places(settings.samples)
@@ -112,11 +143,15 @@ def bake_texture(
 
         visibility = yield from mapped(tracing, fraction)
 
-        def fill(part: slice, texel=texels.texel, visibility=visibility) -> None:
+        def fill(part: slice, texels=texels, texel=texels.texel, visibility=visibility) -> None:
             for channel, values in tracer.channels(visibility[part], world_to_object).items():
                 images[channel][texel[part]] = values
             covered[texel[part]] = True
             known[texel[part]] = ~visibility.lost[part]
+            if albedo is not None:
+                triangle, weights = texels.triangle[part], texels.weights[part].reshape(-1, 2).T
+                values = albedo.at(triangle.reshape(-1), *weights)
+                colours[texel[part]] = values.reshape(*triangle.shape, 3).mean(axis=1)
 
         with Workers(threads) as workers:
             workers.map(fill, slices(len(texels.texel), TEXELS_PER_PART))
@@ -136,5 +171,7 @@ def bake_texture(
     faces = None
     if settings.margin and settings.margin_type == "ADJACENT_FACES":
         faces = AdjacentFaces(triangle_uv, surface.vertex_triangles, size, size)
-    extend_margin(list(images.values()), covered, settings.margin, threads, faces)
-    return TextureResult(obj, uv_map, folder, settings, images)
+    colours = None if colours is None else colours.reshape(size, size, 3)
+    extended = [*images.values(), *([] if colours is None else [colours])]
+    extend_margin(extended, covered, settings.margin, threads, faces)
+    return TextureResult(obj, uv_map, folder, settings, images, colours)

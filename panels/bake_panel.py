@@ -103,6 +103,13 @@ class MULTIBOUNCE_AO_PT_texture(SidebarPanel, bpy.types.Panel):
             column.prop_search(settings, "uv_map", obj.data, "uv_layers", icon="GROUP_UVS")
         else:
             column.prop(settings, "uv_map")
+        column.separator()
+        column.prop(settings, "use_ao_map")
+        column.prop(settings, "use_colored_ao_map")
+        column.prop(settings, "use_gltf_occlusion")
+        map_format = column.row()
+        map_format.active = settings.use_ao_map or settings.use_colored_ao_map or settings.use_gltf_occlusion
+        map_format.prop(settings, "map_format")
         # Bounce curves go there too, whatever the target.
         whole.prop(settings, "output_directory")
         files = whole.column()

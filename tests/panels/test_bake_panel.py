@@ -75,6 +75,7 @@ def test_buttons_set_the_samples(panels):
 def test_what_does_not_apply_is_grey(panels):
     settings = bpy.context.scene.multibounce_ao
     of_textures = {"resolution", "margin", "margin_type", "uv_map", "color_depth", "exr_codec"}
+    of_textures |= {"use_ao_map", "use_colored_ao_map", "use_gltf_occlusion", "map_format"}
     settings.target, settings.max_distance = "VERTEX", 0
     of_cages = {"use_match_names", "cage_object", "cage_extrusion", "max_ray_distance"}
     grey = {name for name, active in properties(everything(panels)).items() if not active}
@@ -82,7 +83,8 @@ def test_what_does_not_apply_is_grey(panels):
     settings.use_selected_to_active = True
     settings.target, settings.max_distance = "TEXTURE", 1
     grey = {name for name, active in properties(everything(panels)).items() if not active}
-    assert grey == {"color_depth", "exr_codec", "height_map_amplitude"}  # packed, and no height map
+    assert grey == {"color_depth", "exr_codec", "map_format", "height_map_amplitude"}  # packed, no map, no height map
+    settings.use_ao_map = True
     settings.output_directory = "//maps"
     settings.height_map = bpy.data.images.new("Relief", 4, 4)
     assert all(properties(everything(panels)).values())
