@@ -28,6 +28,7 @@ from .panels.bake_panel import (
     MULTIBOUNCE_AO_PT_occlusion,
     MULTIBOUNCE_AO_PT_presets,
     MULTIBOUNCE_AO_PT_result,
+    MULTIBOUNCE_AO_PT_selected_to_active,
     MULTIBOUNCE_AO_PT_texture,
 )
 from .panels.field_panel import MULTIBOUNCE_AO_PT_field
@@ -54,6 +55,7 @@ CLASSES = (
     MULTIBOUNCE_AO_PT_presets,
     MULTIBOUNCE_AO_PT_bake,
     MULTIBOUNCE_AO_PT_occlusion,
+    MULTIBOUNCE_AO_PT_selected_to_active,
     MULTIBOUNCE_AO_PT_texture,
     MULTIBOUNCE_AO_PT_result,
     MULTIBOUNCE_AO_PT_fit,

@@ -157,7 +157,7 @@ def seen_from(trace: CellRays, probes: SurfacePoints, wanted: int) -> Generator[
     local = hemisphere_pattern(rays, "cosine").directions.astype(np.float32)
 
     def seen(part: slice) -> Met:
-        positions, normals = probes.at(order[part])
+        positions, normals, *_ = probes.at(order[part])
         frame = carried_frames(normals, turns(order[part], trace.seed ^ PROBE_SEED))[:, 0]
         directions = np.matmul(local, frame).reshape(-1, 3)
         start = trace.occluders.origins(positions, normals, trace.extent)[:, :, 0].T.astype(np.float32)

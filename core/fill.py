@@ -61,12 +61,12 @@ def fill_points(values: Sequence[NDArray], known: NDArray[np.bool_], edges: NDAr
         links, unknown = links[~now], unknown[~now]
 
 
-def fill_buried(visibility: Visibility, edges: NDArray[np.integer], normals: NDArray[np.float64]) -> None:
-    """:func:`fill_points` for what those points of ``visibility`` see, in place, that are buried.
+def fill_lost(visibility: Visibility, edges: NDArray[np.integer], normals: NDArray[np.float64]) -> None:
+    """:func:`fill_points` for what those points of ``visibility`` see, in place, that are lost.
 
     normals  (n, 3), unit length, world axes: F0 = 2 alpha b . n holds again for the mean direction b, as everywhere
     """
-    known = ~visibility.buried
+    known = ~visibility.lost
     f0, alpha = visibility.f0[:, None], visibility.alpha[:, None]
     moment = alpha * visibility.bent.astype(np.float64)
     gathered = [] if visibility.gathered is None else [visibility.gathered]

@@ -9,7 +9,7 @@ along the points and memory does not follow the image.
 from __future__ import annotations
 
 import math
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,9 +21,25 @@ from .terminator import Polygons, Terminator
 
 # Side of the square of texels that is traced together: most of its texels lie on one piece of the surface.
 TILE = 32
+# Points all over a surface from which the light around it is found.
+PROBES = 2**16
 # The root of x^3 = x + 1, on which the R2 sequence rests (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom
 # Sequences").
 PLASTIC = 1.32471795724474602596
+
+
+class Start(NamedTuple):
+    """Where the rays of some points start, at all their places.
+
+    positions, normals  (3, b, places) float64, world space; unit normals
+    lift                (b, places) float64, how far along those normals (:mod:`core.terminator`); None: nowhere
+    missing             (b, places) bool, places that have no surface; None: all have
+    """
+
+    positions: NDArray[np.float64]
+    normals: NDArray[np.float64]
+    lift: NDArray[np.float64] | None = None
+    missing: NDArray[np.bool_] | None = None
 
 
 class SamplePoints(Protocol):
@@ -39,12 +55,8 @@ class SamplePoints(Protocol):
     def number(self, block: NDArray[np.intp]) -> NDArray[np.integer]:
         """What the points (b,) are called, whoever traces them and with which others: it turns their pattern."""
 
-    def at(self, block: NDArray[np.intp]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """World positions and unit normals, each (3, b, places), of the points (b,)."""
-
-    def lift(self, block: NDArray[np.intp]) -> NDArray[np.float64] | None:
-        """How far along those normals rays should start, (b, places) world units (:mod:`core.terminator`); None:
-        nowhere."""
+    def at(self, block: NDArray[np.intp]) -> Start:
+        """Where the rays of the points (b,) start."""
 
 
 class SurfacePoints:
@@ -70,11 +82,9 @@ class SurfacePoints:
     def number(self, block: NDArray[np.intp]) -> NDArray[np.intp]:
         return block
 
-    def at(self, block: NDArray[np.intp]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        return self.positions[block].T[:, :, None], self.normals[block].T[:, :, None]
-
-    def lift(self, block: NDArray[np.intp]) -> NDArray[np.float64] | None:
-        return None if self._lift is None else self._lift[block][:, None]
+    def at(self, block: NDArray[np.intp]) -> Start:
+        lift = None if self._lift is None else self._lift[block][:, None]
+        return Start(self.positions[block].T[:, :, None], self.normals[block].T[:, :, None], lift)
 
 
 class TexelPoints:
@@ -96,15 +106,9 @@ class TexelPoints:
     def number(self, block: NDArray[np.intp]) -> NDArray[np.integer]:
         return self._texels.texel[block]
 
-    def at(self, block: NDArray[np.intp]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        return self._corners.at(*self._places(block))
-
-    def lift(self, block: NDArray[np.intp]) -> NDArray[np.float64] | None:
-        return self._corners.lift(*self._places(block))
-
-    def _places(self, block: NDArray[np.intp]) -> tuple[NDArray[np.int32], NDArray[np.float64], NDArray[np.float64]]:
+    def at(self, block: NDArray[np.intp]) -> Start:
         v, w = np.moveaxis(self._texels.weights[block], 2, 0).astype(np.float64)
-        return self._texels.triangle[block], v, w
+        return self._corners.start(self._texels.triangle[block], v, w)
 
 
 def spread_points(corners: CornerTable, count: int) -> SurfacePoints:
@@ -173,16 +177,15 @@ class CornerTable:
         normals[2][length < 1e-30] = 1.0
         return positions, normals
 
-    def lift(
-        self, triangle: NDArray[np.integer], v: NDArray[np.float64], w: NDArray[np.float64]
-    ) -> NDArray[np.float64] | None:
-        """How far along their normals rays from the points of :meth:`at` should start, (...); None: nowhere."""
+    def start(self, triangle: NDArray[np.integer], v: NDArray[np.float64], w: NDArray[np.float64]) -> Start:
+        """Where rays from the points of :meth:`at` start."""
+        positions, normals = self.at(triangle, v, w)
         if self._terminator.is_flat:
-            return None
+            return Start(positions, normals)
         highest, most = self._terminator.heights(triangle.astype(np.intp, copy=False), _inset(v), _inset(w))
         if self._polygons:
-            self._polygons.raise_highest(highest, triangle, *self.at(triangle, v, w))
-        return np.maximum(np.minimum(highest, most, out=highest), 0.0, out=highest)
+            self._polygons.raise_highest(highest, triangle, positions, normals)
+        return Start(positions, normals, np.maximum(np.minimum(highest, most, out=highest), 0.0, out=highest))
 
     @staticmethod
     def _interpolate(table, triangle, u, v, w) -> NDArray[np.float64]:

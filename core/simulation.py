@@ -181,7 +181,7 @@ def trace_links(
     block = max(1, RAYS_PER_BLOCK // samples)
 
     def trace(chosen: NDArray[np.intp]) -> int:
-        positions, normals = points.at(chosen)
+        positions, normals, *_ = points.at(chosen)
         frame = carried_frames(normals, turns(points.number(chosen), seed))[:, 0]
         directions = np.matmul(local, frame).reshape(-1, 3)
         start = occluders.origins(positions, normals, extent)[:, :, 0].T.astype(np.float32)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -123,3 +124,24 @@ def _direction(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
     """``vectors`` (3, n) at length 1, those of no length as they are."""
     length = np.sqrt(np.square(vectors).sum(axis=0))
     return np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0.0)
+
+
+def join(surfaces: Sequence[Surface]) -> Surface:
+    """All of ``surfaces`` (at least one) as one, without UVs."""
+    vertices = np.cumsum([0, *(len(each.vertices) for each in surfaces)])
+    corners = np.cumsum([0, *(len(each.corner_vertex) for each in surfaces)])
+
+    def joined(field: str, first: NDArray | None = None) -> NDArray:
+        parts = [getattr(each, field) for each in surfaces]
+        if first is not None:
+            parts = [(part + start).astype(np.int32) for part, start in zip(parts, first, strict=False)]
+        return np.concatenate(parts)
+
+    return Surface(
+        vertices=joined("vertices"),
+        corner_vertex=joined("corner_vertex", vertices),
+        corner_normals=joined("corner_normals"),
+        triangles=joined("triangles", corners),
+        face_start=joined("face_start", corners),
+        face_size=joined("face_size"),
+    )

@@ -44,20 +44,20 @@ class Visibility:
     """What n points see. f0 (n,), alpha (n,) in [0, 1]; bent (n, 3), length at most 1, world axes. All float32.
 
     gathered  (n, 3) float64, one bounce of each field of the light cache; None without a cache
-    buried    (n,) bool, points that lie inside of something closed, with all their places: they see nothing, and
-              nobody sees them. None: not looked for, because rays pass through backs
+    lost      (n,) bool, points without a place that can be seen: all lie inside of something closed, or have no
+              surface. Not looked for inside where rays pass through backs
     """
 
     f0: NDArray[np.float32]
     alpha: NDArray[np.float32]
     bent: NDArray[np.float32]
     gathered: NDArray[np.float64] | None = None
-    buried: NDArray[np.bool_] | None = None
+    lost: NDArray[np.bool_] | None = None
 
     def __getitem__(self, part: slice) -> Visibility:
         """What a slice of the points sees."""
-        gathered, buried = (None if each is None else each[part] for each in (self.gathered, self.buried))
-        return Visibility(self.f0[part], self.alpha[part], self.bent[part], gathered, buried)
+        optional = (None if each is None else each[part] for each in (self.gathered, self.lost))
+        return Visibility(self.f0[part], self.alpha[part], self.bent[part], *optional)
 
 
 def trace_visibility(
@@ -100,7 +100,7 @@ def trace_visibility(
         np.empty(len(points), np.float32),
         np.empty((len(points), 3), np.float32),
         np.empty((len(points), fields)) if cache else None,
-        None if obscurance.ignore_backfaces else np.empty(len(points), bool),
+        np.empty(len(points), bool),
     )
     # What each place's rays sum up to where all see the sky, and which of them look whether it is inside.
     most = weights.sum(axis=1)
@@ -111,14 +111,16 @@ def trace_visibility(
         start = np.empty((size, places, 3), np.float32)
         frame = np.empty((size, places, 3, 3), np.float32)
         sums = np.empty((size, places, sky + fields))
-        buried = np.zeros((size, places), bool)
+        lost = np.zeros((size, places), bool)
         number = points.number(window)
 
         def prepare(part: slice) -> int:
-            positions, normals = points.at(window[part])
-            origins, lift = occluders.origins(positions, normals, extent), points.lift(window[part])
+            positions, normals, lift, missing = points.at(window[part])
+            origins = occluders.origins(positions, normals, extent)
             if lift is not None:
                 occluders.lift(origins, normals, lift, extent)
+            if missing is not None:
+                lost[part] = missing
             start[part] = np.moveaxis(origins, 0, 2)
             frame[part] = carried_frames(normals, turns(number[part], seed))
             return 0
@@ -148,18 +150,17 @@ def trace_visibility(
                     np.einsum("cpr,pr->cp", of_rays, cosine, out=sums[part, :, sky + field])
             by_place = visible.reshape(count, places, -1).swapaxes(0, 1)
             np.matmul(by_place, weights, out=sums[part, :, :sky].swapaxes(0, 1))
-            if result.buried is not None:
+            if not obscurance.ignore_backfaces:
                 dark = np.flatnonzero(~visible.reshape(count * places, -1).any(axis=1))
                 chosen = (dark[:, None] * rays_per_place + probes).reshape(-1)
                 inside = occluders.see_inside(*(each.take(chosen, axis=0) for each in rays))
-                buried[part].reshape(-1)[dark] = inside.reshape(len(dark), len(probes)).all(axis=1)
+                lost[part].reshape(-1)[dark] |= inside.reshape(len(dark), len(probes)).all(axis=1)
             return count
 
         def sum_up(part: slice) -> int:
-            if result.buried is not None:
-                result.buried[window[part]] = buried[part].all(axis=1)
-                partly = np.flatnonzero(buried[part].any(axis=1))
-                _leave_out(sums[part], partly, ~buried[part][partly], most)
+            result.lost[window[part]] = lost[part].all(axis=1)
+            partly = np.flatnonzero(lost[part].any(axis=1))
+            _leave_out(sums[part], partly, ~lost[part][partly], most)
             f0, alpha = sums[part, :, 0].sum(axis=1), sums[part, :, 1].sum(axis=1)
             if cache:
                 result.gathered[window[part]] = sums[part, :, sky:].sum(axis=1)

@@ -12,7 +12,7 @@ from .forecast import remember
 from .modal import LongOperator
 from .poll import object_mode_with
 from .progress import Progress
-from .report import ObjectReport, count_text
+from .report import BakeError, ObjectReport, count_text
 from .settings import BakeSettings
 
 
@@ -36,6 +36,9 @@ class MULTIBOUNCE_AO_OT_bake(LongOperator, bpy.types.Operator):
 
     def work(self, context: bpy.types.Context) -> Generator[Progress, None, list[ObjectReport]]:
         settings = BakeSettings.of(context.scene)
+        one_target = settings.use_selected_to_active and not settings.use_match_names
+        if one_target and context.active_object not in selected_meshes(context):
+            raise BakeError("Selected to Active bakes onto the active mesh, and none is: select it last")
         self._bounces = settings.bounces
         return bake(context, selected_meshes(context), settings, selected=context.selected_objects)
 

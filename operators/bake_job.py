@@ -21,7 +21,9 @@ import numpy as np
 from ..core.rays import Occluders
 from ..core.workers import in_thread, mapped
 from .bake_record import record_bake
+from .base_color import read_own_albedo
 from .bent_normal_map import read_bent_normal_map
+from .high_to_low import pairs, read_projection
 from .images import check_image_names, image_channels, is_nowhere, output_folder
 from .mesh_reader import evaluated_mesh, read_surface
 from .names import CHANNELS
@@ -48,13 +50,16 @@ def bake(
     """Bake ``objects`` (meshes of the context's view layer) and return a report for each, in their order.
 
     An object that cannot be baked has its ``error`` set, and the others are done. Raises BakeError where the settings
-    allow no bake at all.
+    allow no bake at all. With Selected to Active the first of ``objects`` is the active one, and reports are of those
+    that are baked to.
 
     threads     default one a core; it changes no bit of the result
     selected    what else blocks light with the occluders 'SELECTED'
     store_each  write each object when it is done, not all at the end: memory is that of one object's result, and
                 closing the generator keeps those
     """
+    sources = pairs(objects, selected, settings)
+    objects = objects if sources is None else list(sources)
     warnings = []
     if settings.target == "TEXTURE" and is_nowhere(settings.output_directory):
         warnings.append(
@@ -66,7 +71,8 @@ def bake(
         ObjectReport(obj.name, settings.target, samples=settings.samples, warnings=[*warnings]) for obj in objects
     ]
     done: list[tuple[bpy.types.Object, ObjectReport, VertexResult | TextureResult | None]] = []
-    scenes = OccluderScenes(context, objects, selected, settings, colours=settings.bounces == "RADIOSITY")
+    colours = settings.bounces == "RADIOSITY"
+    scenes = OccluderScenes(context, objects, selected, settings, sources, colours=colours)
     count = RayCount()
     tracer = partial(Tracer, settings=settings, threads=threads, count=count)
     baked_meshes: dict[bpy.types.Mesh, ObjectReport] = {}
@@ -83,7 +89,8 @@ def bake(
                 result = None
                 _share(baked_meshes[obj.data], report, settings.bounces)
             else:
-                work = _bake_object(context, obj, settings, folder, scenes, tracer, report, threads)
+                partners = None if sources is None else sources[obj]
+                work = _bake_object(context, obj, partners, settings, folder, scenes, tracer, report, threads)
                 result = yield from mapped(work, progress)
                 baked_meshes[obj.data] = report
                 report.rays = report.points * settings.samples
@@ -133,6 +140,7 @@ def _share(baked: ObjectReport, report: ObjectReport, bounces: str) -> None:
 def _bake_object(
     context: bpy.types.Context,
     obj: bpy.types.Object,
+    partners: Collection[bpy.types.Object] | None,
     settings: BakeSettings,
     folder: str,
     scenes: OccluderScenes,
@@ -140,21 +148,28 @@ def _bake_object(
     report: ObjectReport,
     threads: int | None,
 ) -> Generator[float, None, VertexResult | TextureResult]:
-    """Compute the bake of one object; yields the fraction done. Raises BakeError."""
+    """Compute the bake of one object, of its own surface or of that of its ``partners``; yields the fraction done.
+    Raises BakeError."""
     check_object(obj, context.view_layer)
     evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
     matrix = np.array(evaluated.matrix_world, np.float64)
+    albedo = None
+    if settings.target == "TEXTURE" and settings.use_colored_ao_map and settings.bounces != "RADIOSITY":
+        albedo = read_own_albedo(evaluated, matrix, report.warnings)
     # Blender's mesh is only held while it is read: it may be gone after a yield.
     with evaluated_mesh(evaluated) as mesh:
         check_evaluated(mesh, matrix)
+        projection = None if partners is None else read_projection(context, obj, mesh, partners, settings)
         if settings.target == "VERTEX":
             check_attribute_names(obj, settings.bounces)
-            bake_with, more = partial(bake_vertices, obj.data, vertex_points(obj, mesh, matrix), matrix), ()
+            points = vertex_points(obj, mesh, matrix, projection and projection.cage)
+            bake_with, more = partial(bake_vertices, obj.data, points, matrix), (projection,)
         else:
             check_image_names(obj, image_channels(settings))
             uv_map = uv_map_name(mesh, settings.uv_map)
             bake_with = partial(bake_texture, obj, read_surface(mesh, matrix, uv_map), uv_map, matrix)
-            more = settings, folder, threads, read_bent_normal_map(mesh, matrix, uv_map, settings)
+            shown = projection, albedo, read_bent_normal_map(mesh, matrix, uv_map, settings)
+            more = settings, folder, *shown, threads
     tracer = tracer((yield from scenes.scene_for(obj, report.warnings)))
     tracer = replace(tracer, albedo=scenes.albedo(report.warnings))
     return (yield from in_thread(bake_with(tracer, report, *more)))

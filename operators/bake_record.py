@@ -7,8 +7,8 @@ import bpy
 
 from .images import recorded_images
 from .material_nodes import GROUPS, BakedSource
-from .names import PROPERTY
-from .object_materials import plug_object
+from .names import AO_MAP, PROPERTY
+from .object_materials import plug_object, plug_object_occlusion
 from .report import ObjectReport
 from .settings import BakeSettings
 from .version import extension_version
@@ -33,6 +33,9 @@ def record_bake(obj: bpy.types.Object, settings: BakeSettings, report: ObjectRep
     obj[PROPERTY] = record
     if settings.use_material_nodes:
         report.warnings += plug_object(obj, settings.bounces, baked_source(obj))
+    if uv_map is not None:
+        image = recorded_images(obj)[AO_MAP] if settings.use_gltf_occlusion else None
+        report.warnings += plug_object_occlusion(obj, image, uv_map)
     obj[PROPERTY]["warnings"] = report.warnings
 
 

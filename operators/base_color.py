@@ -53,6 +53,14 @@ def read_albedo(depsgraph: bpy.types.Depsgraph, owners: Collection[bpy.types.Obj
     return sources.albedo(meshes, placed), warnings
 
 
+def read_own_albedo(evaluated: bpy.types.Object, matrix: NDArray, warnings: list[str]) -> Albedo:
+    """As :func:`read_albedo`, of the triangles of one object placed by ``matrix`` (4, 4), in the order of its surface
+    (:func:`.mesh_reader.read_surface`)."""
+    sources = _Sources()
+    order = front_facing(np.arange(3)[None], matrix)[0]
+    return sources.albedo({(0, 0, 0): sources.add(evaluated, order, warnings)}, [((0, 0, 0), None)])
+
+
 @dataclass
 class _Rows:
     """Rows of the source ``number``, as they come: ``parts`` (k, ...) of ``count`` rows together."""

@@ -14,7 +14,17 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from .names import BENT_CONE, BENT_NORMAL, CHANNELS, MEANINGS, MULTIBOUNCE_AO, PROPERTY, RADIOSITY
+from .names import (
+    AO_MAP,
+    BENT_CONE,
+    BENT_NORMAL,
+    CHANNELS,
+    COLORED_AO_MAP,
+    MEANINGS,
+    MULTIBOUNCE_AO,
+    PROPERTY,
+    RADIOSITY,
+)
 from .report import BakeError
 from .settings import BakeSettings
 from .version import extension_version
@@ -24,6 +34,8 @@ FILE_SUFFIX = {
     RADIOSITY: "_multibounce_radiosity.exr",
     BENT_CONE: "_bent_cone.exr",
     BENT_NORMAL: "_bent_normal.exr",
+    AO_MAP: "_ao.png",
+    COLORED_AO_MAP: "_colored_ao.png",
 }
 
 
@@ -62,8 +74,21 @@ def image_name(obj: bpy.types.Object, channel: str) -> str:
     return obj.name.encode()[: 63 - len(suffix)].decode(errors="ignore") + suffix
 
 
-def file_path(obj: bpy.types.Object, channel: str, folder: str) -> Path:
-    """File of ``channel`` inside ``folder``, whatever characters the object's name has, and no other object's."""
+def map_names(settings: BakeSettings) -> tuple[str, ...]:
+    """The maps for other programs that a texture bake leaves."""
+    wanted = {AO_MAP: settings.use_ao_map or settings.use_gltf_occlusion, COLORED_AO_MAP: settings.use_colored_ao_map}
+    return tuple(name for name, is_wanted in wanted.items() if is_wanted)
+
+
+def image_channels(settings: BakeSettings) -> tuple[str, ...]:
+    """What a texture bake leaves an image of."""
+    bent_normal = (BENT_NORMAL,) if settings.use_bent_normal_map else ()
+    return CHANNELS[settings.bounces] + bent_normal + map_names(settings)
+
+
+def file_path(obj: bpy.types.Object, channel: str, folder: str, extension: str | None = None) -> Path:
+    """File of ``channel`` inside ``folder``, whatever characters the object's name has, and no other object's; with the
+    ``extension`` that is usual for it, or another."""
     others = [other for other in bpy.data.objects if other.type == "MESH" and other != obj]
     # Names that differ only in what a file name cannot show, and files named after an object that was renamed since.
     stems = {bpy.path.clean_name(other.name).lower() for other in others}
@@ -73,12 +98,7 @@ def file_path(obj: bpy.types.Object, channel: str, folder: str) -> Path:
     while stem.lower() in stems or _comparable(path := Path(folder) / (stem + FILE_SUFFIX[channel])) in shown:
         stem = f"{clean_name}_{digest:08x}"
         digest = zlib.crc32(stem.encode())
-    return path
-
-
-def image_channels(settings: BakeSettings) -> tuple[str, ...]:
-    """What a texture bake leaves an image of."""
-    return CHANNELS[settings.bounces] + ((BENT_NORMAL,) if settings.use_bent_normal_map else ())
+    return path if extension is None else path.with_suffix(extension)
 
 
 def file_metadata(obj: bpy.types.Object, channel: str, uv_map: str, settings: BakeSettings) -> dict[str, str]:
@@ -88,7 +108,7 @@ def file_metadata(obj: bpy.types.Object, channel: str, uv_map: str, settings: Ba
         "version": version,
         "object": obj.name,
         "uv_map": uv_map,
-        "channels": dict(zip("RGBA", MEANINGS[channel], strict=True)),
+        "channels": dict(zip("RGBA", MEANINGS[channel], strict=False)),
         "settings": settings.as_property(),
     }
     return {"software": f"Multibounce AO {version}", PROPERTY: json.dumps(told)}
@@ -135,6 +155,24 @@ def store_image(obj: bpy.types.Object, channel: str, pixels: NDArray[np.float32]
     if not folder:
         image.pixels.foreach_set(np.ascontiguousarray(pixels, np.float32).ravel())
         image.pack()
+    _keep(obj, channel, image)
+    return str(path) if folder else image.name
+
+
+def store_file(obj: bpy.types.Object, channel: str, path: Path, colour_space: str, is_packed: bool) -> str:
+    """As :func:`store_image`, for what is in the file ``path``, which may go where ``is_packed``."""
+    image = bpy.data.images.load(str(path) if is_packed else as_blender_shows_it(path), check_existing=False)
+    image.colorspace_settings.name = colour_space
+    image[PROPERTY] = True
+    if is_packed:
+        image.pack()
+        image.filepath_raw = ""
+    _keep(obj, channel, image)
+    return image.name if is_packed else str(path)
+
+
+def _keep(obj: bpy.types.Object, channel: str, image: bpy.types.Image) -> None:
+    """Put ``image`` in the place of the one of an earlier bake."""
     previous = recorded_images(obj).get(channel)
     if previous in images_of_only({obj}):
         image.use_fake_user |= previous.use_fake_user
@@ -145,7 +183,6 @@ def store_image(obj: bpy.types.Object, channel: str, pixels: NDArray[np.float32]
     # Blender also saves the image for this, where no material has it.
     obj[PROPERTY]["images"] = recorded_images(obj) | {channel: image}
     _name_after(image, obj, channel)
-    return str(path) if folder else image.name
 
 
 def _name_after(image: bpy.types.Image, obj: bpy.types.Object, channel: str) -> None:

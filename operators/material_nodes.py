@@ -10,6 +10,7 @@ import bpy
 
 from ..shader_nodes import bent_cone, multibounce_ao, multibounce_curve, multibounce_fit, multibounce_radiosity
 from .field_nodes import is_field_mix
+from .gltf_occlusion import GLTF
 from .material_tree import bypass, insert, mix_sockets, new_node, shaders, turn_nodes_back_off, turn_nodes_on, upstream
 from .names import BENT_CONE, MULTIBOUNCE_AO, PROPERTY, RADIOSITY
 
@@ -210,7 +211,7 @@ def _is_ours(node: bpy.types.Node) -> bool:
 
 
 def _is_our_group(node: bpy.types.Node) -> bool:
-    return _is_ours(node) and node.bl_idname == "ShaderNodeGroup" and _WORLD_LIGHT not in node
+    return _is_ours(node) and node.bl_idname == "ShaderNodeGroup" and _WORLD_LIGHT not in node and GLTF not in node
 
 
 def _world_lights(tree: bpy.types.NodeTree) -> list[bpy.types.Node]:
@@ -218,5 +219,5 @@ def _world_lights(tree: bpy.types.NodeTree) -> list[bpy.types.Node]:
 
 
 def _remove_sources(tree: bpy.types.NodeTree) -> None:
-    for node in [node for node in tree.nodes if _is_ours(node) and node.bl_idname != "ShaderNodeGroup"]:
+    for node in [n for n in tree.nodes if _is_ours(n) and n.bl_idname != "ShaderNodeGroup" and GLTF not in n]:
         tree.nodes.remove(node)

@@ -13,6 +13,12 @@ BENT_NORMAL = "Bent Normal"
 RADIOSITY = "Multibounce Radiosity"
 """Attribute or image: E/E0 in red, green and blue, and F0."""
 
+AO_MAP = "AO"
+"""Image: F0 as grey, for other programs."""
+
+COLORED_AO_MAP = "Colored AO"
+"""Image: E/E0 in red, green and blue, for other programs."""
+
 CHANNELS = {
     "FITTED": (MULTIBOUNCE_AO, BENT_CONE),
     "BAKED": (MULTIBOUNCE_AO, BENT_CONE),
@@ -28,6 +34,8 @@ MEANINGS = {
     RADIOSITY: ("red", "green", "blue", "F0"),
     BENT_CONE: ("x", "y", "z", "alpha"),
     BENT_NORMAL: ("x", "y", "z", "1"),
+    AO_MAP: ("F0", "F0", "F0"),
+    COLORED_AO_MAP: ("red", "green", "blue"),
 }
 """What red, green, blue and alpha of each hold."""
 

@@ -8,8 +8,9 @@ from collections.abc import Collection
 import bpy
 
 from .field_nodes import fields_in
+from .gltf_occlusion import plug_occlusion, unplug_occlusion
 from .material_nodes import BakedSource, groups_in, plug, shows, unplug
-from .material_tree import can_plug
+from .material_tree import can_plug, turn_nodes_on
 from .names import PROPERTY
 
 # On a material that we added: whether its slot was new too ("SLOT") or was there, empty ("MATERIAL").
@@ -25,6 +26,29 @@ def plug_object(obj: bpy.types.Object, bounces: str, source: BakedSource) -> lis
         create_material(obj)
     warnings = [plug_slot(slot, obj, bounces, source) for slot in obj.material_slots if slot.material]
     return [warning for warning in warnings if warning]
+
+
+def plug_object_occlusion(obj: bpy.types.Object, image: bpy.types.Image | None, uv_map: str) -> list[str]:
+    """Let glTF exports of all materials of ``obj`` carry ``image`` as occlusion, None: none of ours any longer; returns
+    warnings about those where it could not be."""
+    if image is not None and not any(slot.material for slot in obj.material_slots):
+        create_material(obj)
+    warnings = []
+    for slot in obj.material_slots:
+        material = slot.material
+        if material is None or (image is None and material.node_tree is None):
+            continue
+        if material.library is not None:
+            if image is not None:
+                warnings.append(f"Material '{material.name}' is linked: make it local for its occlusion in glTF")
+        elif image is None:
+            unplug_occlusion(material.node_tree)
+        else:
+            if _used_by_others(material, obj):
+                material = _make_own(slot, obj)
+            turn_nodes_on(material)
+            warnings += [warning for warning in [plug_occlusion(material, image, uv_map)] if warning]
+    return warnings
 
 
 def plug_slot(

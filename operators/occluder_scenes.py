@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Generator
+from collections.abc import Collection, Generator, Mapping
 from typing import Protocol
 
 import bpy
@@ -43,6 +43,7 @@ class OccluderScenes:
         objects: list[bpy.types.Object],
         selected: Collection[bpy.types.Object],
         settings: OccluderSettings,
+        sources: Mapping[bpy.types.Object, Collection[bpy.types.Object]] | None = None,
         *,
         colours: bool = False,
     ):
@@ -55,7 +56,11 @@ class OccluderScenes:
         self._shadowing = {obj for obj in self._rendered if obj.visible_shadow}
         self._selected = {*selected, *objects}
         self._bounds: dict[bpy.types.Object, tuple[NDArray[np.float64], NDArray[np.float64]]] = {}
-        heights = [self._bounds_of(obj)[0][2] for obj in objects] if settings.use_ground_plane else []
+        # With Selected to Active, what blocks light for an object are those that are baked onto it, never such an
+        # object itself; with several, the partners of the others do not either, unless all that is selected should.
+        self._sources = {obj: frozenset(each) for obj, each in (sources or {}).items()}
+        baked = objects if sources is None else frozenset().union(*self._sources.values())
+        heights = [self._bounds_of(obj)[0][2] for obj in baked] if settings.use_ground_plane else []
         lowest = min(heights, default=np.inf)
         self.ground_height = float(lowest) if np.isfinite(lowest) else None
         # The last one only: objects that share it follow one another, and each may be as large as the scene.
@@ -66,15 +71,19 @@ class OccluderScenes:
         self._unread: list[str] = []
 
     def owners_for(self, obj: bpy.types.Object) -> frozenset[bpy.types.Object]:
-        """Who blocks the rays of ``obj``, itself always among them."""
+        """Who blocks the rays of ``obj``: itself always, or what is baked onto it."""
         others = {"SELF": set(), "SELECTED": self._selected, "VISIBLE": self._shadowing}[self._settings.occluders]
-        return frozenset({obj, *others})
+        if not self._sources:
+            return frozenset({obj, *others})
+        if self._settings.occluders == "VISIBLE":
+            others = others.difference(*self._sources.values())
+        return (self._sources[obj] | others) - self._sources.keys()
 
     def scene_for(self, obj: bpy.types.Object, warnings: list[str]) -> Generator[float, None, Occluders]:
         """What blocks the rays of ``obj``, always with itself; appends to ``warnings`` what its artist should know.
         Reads it in the first step; yields 0 while a scene is built."""
         low, high = self._bounds_of(obj)
-        if self._settings.occluders == "VISIBLE" and obj not in self._rendered:
+        if self._settings.occluders == "VISIBLE" and not self._sources and obj not in self._rendered:
             warnings.append("Disabled in renders: it was baked, and blocks no light on other objects")
         owners = self.owners_for(obj)
         if self._scene is None or owners != self._owners:

@@ -28,20 +28,28 @@ class ObjectReport:
     warnings: list[str] = field(default_factory=list)
     error: str | None = None
 
-    def tell_f0(self, f0: NDArray[np.float32], what: str) -> None:
-        """Set :attr:`f0` from the F0 (k,) of those points that lie inside of nothing, and tell how many do; ``what``
-        they are called."""
-        buried = self.points - len(f0)
+    def tell_f0(self, f0: NDArray[np.float32], what: str, projected: bool = False) -> None:
+        """Set :attr:`f0` from the F0 (k,) of those points that can be seen, and tell how many cannot; ``what`` they are
+        called, and whether they are ``projected`` onto other surfaces. Raises BakeError where none of those meets any.
+        """
+        lost = self.points - len(f0)
+        if projected and not len(f0):
+            raise BakeError(
+                "meets none of the surfaces that it should show: raise Cage Extrusion until it encloses them, and Max "
+                "Ray Distance if that is set"
+            )
         self.f0 = statistics(f0 if len(f0) else np.zeros(1, np.float32))
         if self.f0["max"] == 0.0:
             self.warnings.append(
                 "Sees no sky at all: if it should, its faces may be turned inwards (Mesh > Normals > Recalculate "
                 "Outside in Edit Mode), or it lies inside another object"
             )
-        elif buried:
+        elif lost:
+            how = "meet no surface that they should show" if projected else "lie inside of other surfaces"
+            remedy = ". Raise Cage Extrusion, or Max Ray Distance if that is set" if projected else ""
             self.warnings.append(
-                f"{count_text(buried)} of {count_text(self.points)} {what} lie inside of other surfaces: they have the "
-                "values of their neighbours"
+                f"{count_text(lost)} of {count_text(self.points)} {what} {how}: they have the values of their "
+                f"neighbours{remedy}"
             )
 
     def as_dict(self) -> dict:

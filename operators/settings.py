@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
@@ -171,6 +171,70 @@ class MultibounceAOSettings(bpy.types.PropertyGroup):
         ),
         default="ZIP",
     )
+    use_ao_map: BoolProperty(
+        name="AO Map",
+        description="Write a grey map of ambient occlusion too, for other programs",
+        default=False,
+    )
+    use_colored_ao_map: BoolProperty(
+        name="Colored AO Map",
+        description="Write the light of all bounces too, in the base colour that the material has now. Other programs "
+        "multiply the base colour by it",
+        default=False,
+    )
+    map_format: EnumProperty(
+        name="Map Format",
+        description="File format of the maps for other programs",
+        items=(
+            ("PNG_8", "PNG (8-bit)", "256 steps a channel"),
+            ("PNG_16", "PNG (16-bit)", "65536 steps a channel"),
+            ("OPEN_EXR", "OpenEXR", "Floats, with the color depth and codec chosen here"),
+        ),
+        default="PNG_8",
+    )
+    use_gltf_occlusion: BoolProperty(
+        name="glTF Occlusion",
+        description="Plug the AO map into the Occlusion of a node group 'glTF Material Output', so that glTF exports "
+        "carry it",
+        default=False,
+    )
+    use_selected_to_active: BoolProperty(
+        name="Selected to Active",
+        description="Bake what the surfaces of the other selected objects see onto the active one",
+        default=False,
+    )
+    use_match_names: BoolProperty(
+        name="Match Names",
+        description="Bake every selected object 'Name_high' onto the selected 'Name_low', all pairs at once. The other "
+        "pairs cast no shadow, unless Occluders is Selected",
+        default=False,
+    )
+    cage_object: PointerProperty(
+        type=bpy.types.Object,
+        name="Cage Object",
+        description="Object to use as cage instead of calculating the cage from the active object with cage extrusion",
+        poll=lambda self, obj: obj.type == "MESH",
+    )
+    cage_extrusion: FloatProperty(
+        name="Cage Extrusion",
+        description="Inflate the active object by the specified distance for baking. This helps matching to points "
+        "nearer to the outside of the selected object meshes",
+        default=0.0,
+        min=0.0,
+        soft_max=1.0,
+        subtype="DISTANCE",
+        unit="LENGTH",
+    )
+    max_ray_distance: FloatProperty(
+        name="Max Ray Distance",
+        description="The maximum ray distance for matching points between the active and selected objects. If zero, "
+        "there is no limit",
+        default=0.0,
+        min=0.0,
+        soft_max=1.0,
+        subtype="DISTANCE",
+        unit="LENGTH",
+    )
     height_map: PointerProperty(
         type=bpy.types.Image,
         name="Height Map",
@@ -228,14 +292,26 @@ class BakeSettings:
     bent_normal_y: str
     color_depth: str
     exr_codec: str
+    use_ao_map: bool
+    use_colored_ao_map: bool
+    map_format: str
+    use_gltf_occlusion: bool
+    use_selected_to_active: bool
+    use_match_names: bool
+    cage_object: bpy.types.Object | None
+    cage_extrusion: float
+    max_ray_distance: float
 
     @classmethod
     def of(cls, scene: bpy.types.Scene) -> BakeSettings:
         return cls(**{name: getattr(scene.multibounce_ao, name) for name in cls.__dataclass_fields__})
 
     def as_property(self) -> dict[str, object]:
-        """The settings as values that an ID property holds."""
-        return asdict(self)
+        """The settings as values that an ID property and JSON hold: objects by their names."""
+        values = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        if self.cage_object is None:
+            return values | {"cage_object": ""}
+        return values | {"cage_object": self.cage_object.name}
 
 
 def set_from_text(settings: bpy.types.PropertyGroup, name: str, text: str) -> None:
@@ -272,10 +348,12 @@ def set_from_text(settings: bpy.types.PropertyGroup, name: str, text: str) -> No
         if not prop.hard_min <= value <= prop.hard_max:
             raise ValueError(f"write {noun} from {prop.hard_min:g} to {prop.hard_max:g}")
     elif prop.type == "POINTER":
-        value = bpy.data.images.get(text)
+        kind = prop.fixed_type.identifier.lower() + "s"
+        blocks = getattr(bpy.data, kind)
+        value = blocks.get(text)
         if value is None and text:
-            images = ", ".join(f"'{image.name}'" for image in bpy.data.images)
-            raise ValueError(f"choose among the images of the .blend: {images or 'it has none'}")
+            names = ", ".join(f"'{block.name}'" for block in blocks)
+            raise ValueError(f"choose among the {kind} of the .blend: {names or 'it has none'}")
     else:
         value = text
     setattr(settings, name, value)

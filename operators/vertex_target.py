@@ -10,10 +10,12 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.fill import fill_buried
-from ..core.sample_points import CornerTable, SurfacePoints
+from ..core.fill import fill_lost
+from ..core.projection import ProjectedPoints
+from ..core.sample_points import PROBES, CornerTable, SurfacePoints, spread_points
 from ..core.surface import Surface, extent_of, unit
 from ..core.workers import mapped
+from .high_to_low import Projection
 from .mesh_reader import linear_inverse, read, read_corner_vertices, read_positions, read_surface, to_world
 from .names import ALL_CHANNELS, CHANNELS
 from .nearest_point import nearest_points
@@ -41,6 +43,7 @@ class VertexPoints:
     topology            number of vertices of the mesh, the vertex (c,) of each of its face corners, each face's first
     onto                the modified surface that the points are to be moved to; None where the mesh keeps its topology
     lift                (k,) float64, see :class:`core.sample_points.SurfacePoints`
+    cage                (k, 3) float64, where they are on a cage
     """
 
     positions: NDArray[np.float64]
@@ -51,6 +54,7 @@ class VertexPoints:
     topology: Topology
     onto: Surface | None = None
     lift: NDArray[np.float64] | None = None
+    cage: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True)
@@ -73,9 +77,15 @@ class VertexResult:
 
 
 def bake_vertices(
-    mesh: bpy.types.Mesh, points: VertexPoints, matrix: NDArray, tracer: Tracer, report: ObjectReport
+    mesh: bpy.types.Mesh,
+    points: VertexPoints,
+    matrix: NDArray,
+    tracer: Tracer,
+    report: ObjectReport,
+    projection: Projection | None = None,
 ) -> Generator[float, None, VertexResult]:
-    """Trace the ``points`` of ``mesh``, which ``matrix`` (4, 4) places in the world; yields the fraction done."""
+    """Trace the ``points`` of ``mesh``, which ``matrix`` (4, 4) places in the world, or what they show of a
+    ``projection``; yields the fraction done."""
     report.points = len(points.positions)
     if points.onto is not None:
         yield 0.0
@@ -86,14 +96,18 @@ def bake_vertices(
             f"surface, {away}"
         )
     starts = SurfacePoints(points.positions, points.normals, points.lift)
+    probes, extent = starts, points.extent
+    if projection is not None:
+        cage = None if points.cage is None else SurfacePoints(points.cage, points.normals)
+        starts = ProjectedPoints(starts, projection.high, cage)
+        probes, extent = spread_points(projection.high.corners, PROBES), projection.high.extent
     begin = tracer.light_share(len(starts))
-    cache = yield from mapped(tracer.light(starts, len(starts), points.extent), lambda done: begin * done)
-    tracing = tracer.visibility(starts, points.extent, cache)
+    cache = yield from mapped(tracer.light(probes, len(starts), extent), lambda done: begin * done)
+    tracing = tracer.visibility(starts, extent, cache)
     visibility = yield from mapped(tracing, lambda done: begin + (1.0 - begin) * done / report.points)
-    is_buried = visibility.buried is not None and visibility.buried.any()
-    report.tell_f0(visibility.f0[~visibility.buried] if is_buried else visibility.f0, "points")
-    if is_buried:
-        fill_buried(visibility, _edges(points), points.normals)
+    report.tell_f0(visibility.f0[~visibility.lost], "points", projection is not None)
+    if visibility.lost.any():
+        fill_lost(visibility, _edges(points), points.normals)
     channels = tracer.channels(visibility, linear_inverse(matrix))
     stored = {name: values[points.element_point] for name, values in channels.items()}
     return VertexResult(mesh, points.domain, stored, points.topology)
@@ -110,8 +124,11 @@ def _edges(points: VertexPoints) -> NDArray[np.intp]:
     return np.column_stack((corner, corner[following]))
 
 
-def vertex_points(obj: bpy.types.Object, evaluated: bpy.types.Mesh, matrix: NDArray) -> VertexPoints:
-    """Where the elements of the mesh of ``obj`` are sampled on ``evaluated``, the surface that its modifiers make.
+def vertex_points(
+    obj: bpy.types.Object, evaluated: bpy.types.Mesh, matrix: NDArray, cage: NDArray | None = None
+) -> VertexPoints:
+    """Where the elements of the mesh of ``obj`` are sampled on ``evaluated``, the surface that its modifiers make;
+    ``cage`` (n, 3) has the positions of that surface's vertices on a cage.
 
     A mesh with flat faces or sharp edges has several normals at a vertex, so it gets a value a face corner. Where
     modifiers change the topology, the original vertices go to the nearest point of the evaluated surface.
@@ -120,7 +137,10 @@ def vertex_points(obj: bpy.types.Object, evaluated: bpy.types.Mesh, matrix: NDAr
     points_of = _vertices if mesh.normals_domain == evaluated.normals_domain == "POINT" else _corners
     same_corners = np.array_equal(read_corner_vertices(mesh), read_corner_vertices(evaluated))
     if same_corners and len(mesh.vertices) == len(evaluated.vertices):
-        return points_of(evaluated, matrix)
+        points = points_of(evaluated, matrix)
+        return points if cage is None else replace(points, cage=points_of(evaluated, matrix, cage).positions)
+    if cage is not None:
+        raise BakeError("has modifiers that change its topology, so its vertices have no place on a cage: apply them")
     surface = read_surface(evaluated, matrix)
     positions = surface.vertices[: len(mesh.vertices)] if _vertices_come_first(obj) else None
     return replace(points_of(mesh, matrix, positions), onto=surface)
@@ -129,11 +149,11 @@ def vertex_points(obj: bpy.types.Object, evaluated: bpy.types.Mesh, matrix: NDAr
 def _moved_onto(points: VertexPoints, surface: Surface) -> tuple[VertexPoints, float]:
     """``points`` at the nearest places of ``surface``, and how far the furthest was from there."""
     triangle, barycentric = nearest_points(points.positions, points.normals, surface)
-    corners, places = CornerTable(surface), (triangle, barycentric[:, 1], barycentric[:, 2])
-    positions, normals = (each.T for each in corners.at(*places))
+    start = CornerTable(surface).start(triangle, barycentric[:, 1], barycentric[:, 2])
+    positions, normals = start.positions.T, start.normals.T
     moved = float(np.linalg.norm(positions - points.positions, axis=1).max())
-    lift = corners.lift(*places)
-    return replace(points, positions=positions, normals=normals, extent=surface.extent, lift=lift, onto=None), moved
+    extent, lift = surface.extent, start.lift
+    return replace(points, positions=positions, normals=normals, extent=extent, lift=lift, onto=None), moved
 
 
 def _vertices_come_first(obj: bpy.types.Object) -> bool:

@@ -108,6 +108,27 @@ class MULTIBOUNCE_AO_PT_occlusion(SidebarPanel, bpy.types.Panel):
         column.prop(settings, "seed")
 
 
+class MULTIBOUNCE_AO_PT_selected_to_active(SidebarPanel, bpy.types.Panel):
+    bl_label = "Selected to Active"
+    bl_parent_id = "MULTIBOUNCE_AO_PT_bake"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw_header(self, context: bpy.types.Context) -> None:
+        self.layout.prop(context.scene.multibounce_ao, "use_selected_to_active", text="")
+
+    def draw(self, context: bpy.types.Context) -> None:
+        settings = context.scene.multibounce_ao
+        column = self._column(self.layout)
+        column.active = settings.use_selected_to_active
+        column.prop(settings, "use_match_names")
+        column.separator()
+        column.prop(settings, "cage_object")
+        extrusion = column.row()
+        extrusion.active = settings.cage_object is None
+        extrusion.prop(settings, "cage_extrusion", text="Extrusion")
+        column.prop(settings, "max_ray_distance")
+
+
 class MULTIBOUNCE_AO_PT_texture(SidebarPanel, bpy.types.Panel):
     bl_label = "Texture"
     bl_parent_id = "MULTIBOUNCE_AO_PT_bake"
@@ -128,8 +149,13 @@ class MULTIBOUNCE_AO_PT_texture(SidebarPanel, bpy.types.Panel):
             column.prop_search(settings, "uv_map", obj.data, "uv_layers", icon="GROUP_UVS")
         else:
             column.prop(settings, "uv_map")
-        column = whole.column()
-        column.active = settings.target == "TEXTURE"
+        column.separator()
+        column.prop(settings, "use_ao_map")
+        column.prop(settings, "use_colored_ao_map")
+        column.prop(settings, "use_gltf_occlusion")
+        map_format = column.row()
+        map_format.active = settings.use_ao_map or settings.use_colored_ao_map or settings.use_gltf_occlusion
+        map_format.prop(settings, "map_format")
         column.prop(settings, "use_bent_normal_map")
         chosen = column.column()
         chosen.active = settings.use_bent_normal_map

@@ -30,13 +30,14 @@ def by_the_extension(
     resolution: int = 1024,
     bounces: str = "FITTED",
     seed: int = 0,
+    margin: int = MARGIN,
     threads: int | None = None,
 ) -> float:
     """Seconds of `bpy.ops.multibounce_ao.bake()`, or of the job it drives where ``threads`` are given."""
     scene = bpy.context.scene
     settings = scene.multibounce_ao
     settings.target, settings.samples, settings.resolution, settings.seed = target, samples, resolution, seed
-    settings.bounces, settings.use_material_nodes, settings.margin = bounces, False, MARGIN
+    settings.bounces, settings.use_material_nodes, settings.margin = bounces, False, margin
     select(obj)
     call = bpy.ops.multibounce_ao.bake
     if threads is not None:

@@ -4,7 +4,7 @@
 import numpy as np
 
 from core.closed_parts import in_closed_parts
-from core.fill import fill_buried, fill_points, fill_texels
+from core.fill import fill_lost, fill_points, fill_texels
 from core.visibility import Visibility
 
 TETRAHEDRON = np.array([(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)])
@@ -56,7 +56,7 @@ def test_points_take_the_mean_of_their_neighbours():
     assert values[:, 0].tolist() == [8, 5, 2, 5, 0, 0]
 
 
-def test_what_buried_points_see_fits_their_normals():
+def test_what_lost_points_see_fits_their_normals():
     """F0 = 2 alpha b . n with the point's own normal; alpha and F0 are means."""
     random = np.random.default_rng(1)
     normals = random.normal(size=(3, 3))
@@ -64,8 +64,8 @@ def test_what_buried_points_see_fits_their_normals():
     alpha, bent = np.array([0.5, 0.3, 0.0]), random.uniform(-0.4, 0.4, (3, 3))
     f0 = 2 * alpha * (bent * normals).sum(axis=1)
     single = (each.astype(np.float32) for each in (f0, alpha, bent))
-    found = Visibility(*single, buried=np.array([False, False, True]))
-    fill_buried(found, np.array([(0, 2), (2, 1)]), normals)
+    found = Visibility(*single, lost=np.array([False, False, True]))
+    fill_lost(found, np.array([(0, 2), (2, 1)]), normals)
     np.testing.assert_allclose((found.f0[2], found.alpha[2]), (f0[:2].mean(), alpha[:2].mean()), atol=1e-6)
     np.testing.assert_allclose(found.f0, 2 * found.alpha * (found.bent * normals).sum(axis=1), atol=1e-6)
     np.testing.assert_allclose(found.bent[:2], bent[:2], atol=1e-7)

@@ -78,7 +78,7 @@ def test_places_stand_for_the_area_of_their_texel():
     """The mean of x over a texel is its centre's."""
     size = 8
     points = texels(bowl(), size, 16)
-    positions, _ = points.at(np.arange(len(points)))
+    positions = points.at(np.arange(len(points))).positions
     assert len(points) == size * size
     mean = positions.mean(axis=2)
     texel = points.number(np.arange(len(points)))
@@ -93,7 +93,7 @@ def test_order_names_every_point_once_and_keeps_neighbours_together(kind):
     points = texels(surface, 100, 1) if kind == "texels" else SurfacePoints(surface.vertices, surface.vertices * 0)
     order = points.order()
     assert (np.sort(order) == np.arange(len(points))).all()
-    block = points.at(order[:1000])[0].reshape(3, -1)
+    block = points.at(order[:1000]).positions.reshape(3, -1)
     assert np.ptp(block[:2], axis=1).prod() < 0.5  # a row-by-row block of texels would span the square's whole width
 
 

@@ -42,7 +42,7 @@ def test_heights_are_as_defined():
 
 
 def lift_of(corners, normals, v, w):
-    """What :meth:`CornerTable.lift` makes of it, on one triangle."""
+    """What :meth:`CornerTable.start` makes of it, on one triangle."""
     heights = Terminator(corners[..., None], normals[..., None]).heights(np.zeros(len(v), np.intp), v, w)
     return np.maximum(np.minimum(*heights), 0)
 
@@ -110,8 +110,8 @@ def table_of(vertices, triangles):
 
 
 def traced(occluders, table, places, lifted=True):
-    positions, normals = (each.T for each in table.at(*places))
-    points = SurfacePoints(positions, normals, table.lift(*places) if lifted else None)
+    start = table.start(*places)
+    points = SurfacePoints(start.positions.T, start.normals.T, start.lift if lifted else None)
     return finish(trace_visibility(occluders, points, hemisphere_pattern(256), extent=2.0))
 
 

@@ -122,5 +122,7 @@ def draw(panel: type[bpy.types.Panel]) -> list[Drawn]:
     for name in dir(panel):
         if not name.startswith("__") and callable(getattr(panel, name)) and name not in dir(bpy.types.Panel):
             setattr(probe, name, MethodType(getattr(panel, name), probe))
+    if "draw_header" in vars(panel):
+        panel.draw_header(probe, Context())
     panel.draw(probe, Context())
     return probe.layout.drawn

@@ -96,13 +96,18 @@ def test_what_does_not_apply_is_grey(panels):
     settings = bpy.context.scene.multibounce_ao
     of_textures = {"resolution", "margin", "margin_type", "uv_map", "color_depth", "exr_codec"}
     of_textures |= {"use_bent_normal_map", "bent_normal_space", "bent_normal_y"}
+    of_textures |= {"use_ao_map", "use_colored_ao_map", "use_gltf_occlusion", "map_format"}
     settings.target, settings.max_distance = "VERTEX", 0
-    shown = properties(everything(panels))
-    assert {name for name, active in shown.items() if not active} == of_textures | {"falloff", "height_map_amplitude"}
+    of_cages = {"use_match_names", "cage_object", "cage_extrusion", "max_ray_distance"}
+    grey = {name for name, active in properties(everything(panels)).items() if not active}
+    assert grey == of_textures | of_cages | {"falloff", "height_map_amplitude"}
+    settings.use_selected_to_active = True
     settings.target, settings.max_distance = "TEXTURE", 1
     grey = {name for name, active in properties(everything(panels)).items() if not active}
-    assert grey == {"color_depth", "exr_codec", "height_map_amplitude", "bent_normal_space", "bent_normal_y"}
-    settings.output_directory = "//maps"  # not packed
+    packed = {"color_depth", "exr_codec"}
+    assert grey == packed | {"map_format", "height_map_amplitude", "bent_normal_space", "bent_normal_y"}
+    settings.use_ao_map = True
+    settings.output_directory = "//maps"
     settings.height_map = bpy.data.images.new("Relief", 4, 4)
     settings.use_bent_normal_map = True
     assert all(properties(everything(panels)).values())

@@ -65,7 +65,9 @@ def test_settings_are_those_of_the_contract():
         "seed": 0, "resolution": 1024, "margin": 16, "uv_map": "", "output_directory": "",
         "use_bent_normal_map": False, "bent_normal_space": "TANGENT", "bent_normal_y": "POS_Y", "height_map": None,
         "height_map_amplitude": pytest.approx(0.04), "field_resolution": 16, "use_field_volume": False,
-        "color_depth": "32", "exr_codec": "ZIP", "margin_type": "ADJACENT_FACES",
+        "use_ao_map": False, "use_colored_ao_map": False, "map_format": "PNG_8", "use_gltf_occlusion": False,
+        "use_selected_to_active": False, "use_match_names": False, "cage_object": None, "cage_extrusion": 0.0,
+        "max_ray_distance": 0.0, "color_depth": "32", "exr_codec": "ZIP", "margin_type": "ADJACENT_FACES",
     }  # fmt: skip
     assert {p.identifier: getattr(p, "default", None) for p in settings()} == defaults
     choices = {p.identifier: [item.identifier for item in p.enum_items] for p in settings() if p.type == "ENUM"}
@@ -77,6 +79,7 @@ def test_settings_are_those_of_the_contract():
         "bent_normal_space": ["OBJECT", "TANGENT"],
         "bent_normal_y": ["POS_Y", "NEG_Y"],
         "color_depth": ["16", "32"],
+        "map_format": ["PNG_8", "PNG_16", "OPEN_EXR"],
         "margin_type": ["ADJACENT_FACES", "EXTEND"],
         "exr_codec": ["NONE", "RLE", "ZIPS", "ZIP", "PIZ"],
     }
@@ -84,7 +87,8 @@ def test_settings_are_those_of_the_contract():
 
 def test_quantities_have_units():
     units = {p.identifier: (p.subtype, p.unit) for p in settings()}
-    assert units["max_distance"] == ("DISTANCE", "LENGTH")
+    for name in ("max_distance", "cage_extrusion", "max_ray_distance"):
+        assert units[name] == ("DISTANCE", "LENGTH")
     assert units["resolution"][0] == units["field_resolution"][0] == "PIXEL"
     assert units["margin"][0] == "PIXEL"
     assert units["output_directory"][0] == "DIR_PATH"
