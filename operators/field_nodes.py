@@ -24,9 +24,13 @@ def is_field_mix(node: bpy.types.Node) -> bool:
 
 
 def receive(material: bpy.types.Material, group: bpy.types.ShaderNodeTree) -> None:
-    """Darken ``material`` by the field ``group``, beside those it has. One that is there already stays."""
+    """Darken ``material`` by the field ``group``, beside those it has. One that is there already stays; those whose
+    object was deleted go."""
     turn_nodes_on(material)
     tree = material.node_tree
+    for node in fields_in(material):
+        if _is_orphan(node):
+            tree.nodes.remove(node)
     if not any(node.node_tree == group for node in fields_in(material)):
         node = new_node(tree, "ShaderNodeGroup", FIELD, 0.0, 0.0)
         node.label = object_of(group).name
@@ -39,13 +43,13 @@ def receive(material: bpy.types.Material, group: bpy.types.ShaderNodeTree) -> No
 
 
 def release(material: bpy.types.Material, groups: Collection[bpy.types.ShaderNodeTree] | None = None) -> None:
-    """Take the fields ``groups``, None: all, out of ``material``, also those that nothing is left of. When none
+    """Take the fields ``groups``, None: all, out of ``material``, also those whose object was deleted. When none
     remains, the BSDF gets back what fed it, or its colour as it now is."""
     tree = material.node_tree
     if tree is None:
         return
     for node in fields_in(material):
-        if groups is None or node.node_tree is None or node.node_tree in groups:
+        if groups is None or node.node_tree in groups or _is_orphan(node):
             tree.nodes.remove(node)
     fields = fields_in(material)
     if fields:
@@ -57,6 +61,12 @@ def release(material: bpy.types.Material, groups: Collection[bpy.types.ShaderNod
     for node in [node for node in tree.nodes if FIELD in node]:
         tree.nodes.remove(node)
     turn_nodes_back_off(material)
+
+
+def _is_orphan(node: bpy.types.Node) -> bool:
+    """Whether the object whose field ``node`` is was deleted: Blender keeps it as long as the group refers to it."""
+    obj = object_of(node.node_tree) if node.node_tree is not None else None
+    return obj is None or not obj.users_collection
 
 
 def _insert_mix(tree: bpy.types.NodeTree, bsdf: bpy.types.Node) -> None:

@@ -36,7 +36,7 @@ from .functions import (
 from .group import Socket, ensure_group, find_group, outdate_group, rename_group
 
 NAME = "AO Field"
-VERSION = 1
+VERSION = 2
 
 # Which object a group is of, its node "Place" tells: a pointer among a tree's custom properties would be miscounted
 # when EEVEE compiles it.
@@ -147,7 +147,8 @@ def _group_name(obj: bpy.types.Object) -> str:
 
 
 def _drive(tree: bpy.types.ShaderNodeTree, obj: bpy.types.Object) -> None:
-    """World rotation as a quaternion and mean scale, whose sign tells of mirroring. These drivers need no Python."""
+    """World rotation as a quaternion, mean scale, whose sign tells of mirroring, and whether renders hide the object.
+    These drivers need no Python."""
     tree.animation_data_clear()
     rotation, scale = tree.nodes["Rotation"], tree.nodes["Scale"]
     for socket, channel in (
@@ -155,15 +156,21 @@ def _drive(tree: bpy.types.ShaderNodeTree, obj: bpy.types.Object) -> None:
         (tree.nodes["w"].outputs[0], "ROT_W"),
         (scale.outputs[0], "SCALE_AVG"),
     ):
-        driver = socket.driver_add("default_value").driver
-        driver.type = "AVERAGE"
-        variable = driver.variables.new()
-        variable.type = "TRANSFORMS"
-        target = variable.targets[0]
-        target.id = obj
+        target = _driven_by(socket, obj, "TRANSFORMS")
         target.transform_type = channel
         target.transform_space = "WORLD_SPACE"
         target.rotation_mode = "QUATERNION"
+    _driven_by(tree.nodes["Hidden"].outputs[0], obj, "SINGLE_PROP").data_path = "hide_render"
+
+
+def _driven_by(socket: bpy.types.NodeSocket, obj: bpy.types.Object, kind: str) -> bpy.types.DriverTarget:
+    """A driver that gives ``socket`` the value of its one variable, of ``kind``; returns what that reads of ``obj``."""
+    driver = socket.driver_add("default_value").driver
+    driver.type = "AVERAGE"
+    variable = driver.variables.new()
+    variable.type = kind
+    variable.targets[0].id = obj
+    return variable.targets[0]
 
 
 def _build(tree: bpy.types.ShaderNodeTree, has_volume: bool) -> None:
@@ -195,7 +202,9 @@ def _build(tree: bpy.types.ShaderNodeTree, has_volume: bool) -> None:
     with graph.frame("the shadow fades from r near to r far, as a smoothstep"):
         near, far = graph.value("r near", 1.0), graph.value("r far", 2.0)
         u = clamp((r - near) / (far - near), 0, 1).named("u")
-        occlusion = clamp(within * (1 - u * u * (3 - 2 * u)), 0, 1).named("A")
+        faded = within * (1 - u * u * (3 - 2 * u))
+    with graph.frame("nothing where renders hide the object"):
+        occlusion = clamp(faded * (1 - graph.value("Hidden", 0.0)), 0, 1).named("A")
         ao = (1 - occlusion).named("AO")
     graph.output("AO", ao)
     graph.output("Occlusion", occlusion)

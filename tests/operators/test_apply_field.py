@@ -245,6 +245,28 @@ def test_clear_keeps_what_other_receivers_show(prop):
     assert fields_of(paint) == []
 
 
+@pytest.mark.parametrize("purged", [False, True])
+def test_field_of_a_deleted_object_goes_with_the_next_step(prop, purged):
+    other, third = ball("Other", location=(3, 0, 0)), ball("Third", location=(6, 0, 0))
+    floor = plate("Floor")
+    floor.data.materials.append(material())
+    for obj in (other, third):
+        bake_field(obj)
+    for obj in (prop, other):
+        press_apply(obj, floor)
+    select(prop)
+    if purged:
+        bpy.data.objects.remove(prop)
+    else:
+        bpy.ops.object.delete()
+    press_apply(third, floor)
+    assert factors(mix_of(floor.active_material)[1]) == ["AO Field Other", "AO Field Third"]
+    select(other)
+    bpy.ops.object.delete()
+    clear(third)
+    assert fields_of(floor.active_material) == [] and len(floor.active_material.node_tree.nodes) == 2
+
+
 def test_clear_of_a_curve(prop):
     curve = add("Curve", bpy.data.curves.new("Curve", "CURVE"))
     apply_field(prop, curve)

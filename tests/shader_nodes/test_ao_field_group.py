@@ -164,6 +164,21 @@ def test_follows_an_animation(modules, prop, tmp_path):
         assert np.abs(found - expected(field, prop, plates)).max() < 1e-5
 
 
+def test_hidden_in_renders_it_casts_nothing(modules, prop, tmp_path):
+    """Now and then, as an animated prop comes and goes."""
+    rng = np.random.default_rng(15)
+    field = smooth_field(rng, 16)
+    group = group_with(modules, prop, field)
+    plates = Plates.random(rng, 24, 5.0)
+    for frame, hidden in ((1, False), (2, True), (3, False)):
+        prop.hide_render = hidden
+        prop.keyframe_insert("hide_render", frame=frame)
+    shown = expected(field, prop, plates)
+    for frame, wanted in ((1, shown), (2, 0 * shown), (3, shown)):
+        bpy.context.scene.frame_set(frame)
+        assert np.abs(render(group, plates, tmp_path, frame=frame) - wanted).max() < 1e-5
+
+
 def test_uneven_scale_that_it_was_baked_for(modules, prop, tmp_path):
     """The field's space is the object's with its proportions."""
     rng = np.random.default_rng(8)

@@ -46,7 +46,7 @@ def test_sockets_explain_themselves(modules, prop):
 def test_drivers_need_no_python(modules, prop):
     """bpy as a module hangs at exit after those that do; and Blender would ask whether to trust the file."""
     drivers = modules[0].ensure(prop).animation_data.drivers
-    assert len(drivers) == 5
+    assert len(drivers) == 6
     assert {curve.driver.type for curve in drivers} == {"AVERAGE"}
     assert all(curve.driver.is_valid for curve in drivers)
 
