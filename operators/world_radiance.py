@@ -24,12 +24,12 @@ from .world_picture import picture_coefficients
 
 # Pixels of the panorama, and rays through each: few where they agree, more where they do not. Cycles measures NOISE
 # against the root of a pixel's brightness, so that what is bright is refined most.
-HEIGHT, WIDTH = 128, 256
-LEAST_SAMPLES, MOST_SAMPLES = 32, 1024
+HEIGHT, WIDTH = 256, 512
+LEAST_SAMPLES, MOST_SAMPLES = 8, 1024
 NOISE = 0.02
-# Degrees across that the sun of a sky gets, so that no panorama misses it. It sheds the same light, and nine
-# coefficients cannot tell the two apart.
-SUN = 6.0
+# How wide the sun of a sky is made, so that no panorama misses it: degrees, and a share of its height, since near the
+# horizon its colour changes with that. It sheds the same light, and nine coefficients cannot tell the two apart.
+SUN, SUN_OF_HEIGHT = 6.0, 0.25
 
 # What light that falls on a surface is for the Light Path nodes of a World. Outputs that are not named here give 0.
 _LIGHT_PATH = {"Is Diffuse Ray": 1.0, "Diffuse Depth": 1.0, "Ray Depth": 1.0}
@@ -158,8 +158,7 @@ def _prepare(tree: bpy.types.NodeTree) -> None:
             node.node_tree = node.node_tree.copy()
             _prepare(node.node_tree)
         elif node.bl_idname == "ShaderNodeTexSky":
-            # All of it above the horizon, as most of the smaller one is.
-            node.sun_size = max(node.sun_size, min(radians(SUN), 2.0 * node.sun_elevation))
+            node.sun_size = max(node.sun_size, min(radians(SUN), SUN_OF_HEIGHT * node.sun_elevation))
         elif node.bl_idname == "ShaderNodeLightPath":
             for output in node.outputs:
                 targets = [link.to_socket for link in output.links]

@@ -42,8 +42,9 @@ def test_directions_are_those_of_the_world():
     assert error < 2e-3
 
 
-@pytest.mark.parametrize("by", ["pixels", "panorama"])
-@pytest.mark.parametrize("kind", ["POINT", "TEXTURE", None])
+@pytest.mark.parametrize(
+    ("kind", "by"), [("POINT", "pixels"), ("TEXTURE", "pixels"), (None, "pixels"), ("POINT", "panorama")]
+)
 def test_picture(kind, by, monkeypatch):
     """Any picture, turned by its Mapping node: a point lookup at w is one at R w, so that the light turns back. The
     pixels' own sum and Cycles' panorama are one."""
