@@ -11,6 +11,7 @@ written.
 from __future__ import annotations
 
 import time
+import traceback
 from collections.abc import Callable, Collection, Generator
 from dataclasses import replace
 from functools import partial
@@ -20,9 +21,10 @@ import numpy as np
 
 from ..core.rays import Occluders
 from ..core.workers import in_thread, mapped
-from .bake_record import record_bake
+from .bake_record import baked_fingerprint, record_bake, tell_of_record
 from .base_color import read_own_albedo
 from .bent_normal_map import read_bent_normal_map
+from .fingerprint import fingerprint
 from .high_to_low import pairs, read_projection
 from .images import check_image_names, image_channels, is_nowhere, output_folder
 from .mesh_reader import evaluated_mesh, read_surface
@@ -35,6 +37,7 @@ from .settings import BakeSettings
 from .texture_target import TextureResult, bake_texture
 from .tracer import RayCount, Tracer
 from .uv_layout import uv_map_name
+from .version import extension_version
 from .vertex_target import VertexResult, bake_vertices, check_attribute_names, vertex_points
 
 
@@ -46,6 +49,7 @@ def bake(
     *,
     selected: Collection[bpy.types.Object] = (),
     store_each: bool = False,
+    resume: bool = False,
 ) -> Generator[Progress, None, list[ObjectReport]]:
     """Bake ``objects`` (meshes of the context's view layer) and return a report for each, in their order.
 
@@ -57,6 +61,8 @@ def bake(
     selected    what else blocks light with the occluders 'SELECTED'
     store_each  write each object when it is done, not all at the end: memory is that of one object's result, and
                 closing the generator keeps those
+    resume      leave an object as it is that has its bake already, with the same settings and the same geometry and
+                colours around
     """
     sources = pairs(objects, selected, settings)
     objects = objects if sources is None else list(sources)
@@ -70,7 +76,7 @@ def bake(
     reports = [
         ObjectReport(obj.name, settings.target, samples=settings.samples, warnings=[*warnings]) for obj in objects
     ]
-    done: list[tuple[bpy.types.Object, ObjectReport, VertexResult | TextureResult | None]] = []
+    done: list[tuple[bpy.types.Object, ObjectReport, VertexResult | TextureResult | None, bytes]] = []
     colours = settings.bounces == "RADIOSITY"
     scenes = OccluderScenes(context, objects, selected, settings, sources, colours=colours)
     count = RayCount()
@@ -86,13 +92,16 @@ def bake(
         yield progress(0.0)
         try:
             if settings.target == "VERTEX" and obj.data in baked_meshes:
-                result = None
+                result, mark = None, b""
                 _share(baked_meshes[obj.data], report, settings.bounces)
             else:
-                partners = None if sources is None else sources[obj]
-                work = _bake_object(context, obj, partners, settings, folder, scenes, tracer, report, threads)
-                result = yield from mapped(work, progress)
+                known, partners = baked_fingerprint(obj) if resume else b"", sources and sources[obj]
+                work = _bake_object(context, obj, partners, settings, folder, scenes, tracer, report, known, threads)
+                result, mark = yield from mapped(work, progress)
                 baked_meshes[obj.data] = report
+                if result is None:
+                    tell_of_record(obj, report)
+                    continue
                 report.rays = report.points * settings.samples
         except BakeError as error:
             report.error = f"Object '{report.name}' {error}"
@@ -100,16 +109,20 @@ def bake(
         except ReferenceError:
             report.error = _deleted(report)
             continue
+        except Exception as error:  # a fault of ours, or no memory: the other objects are still to be baked
+            traceback.print_exc()
+            report.error = f"Object '{report.name}' could not be baked ({type(error).__name__}: {error}): report this"
+            continue
         report.seconds = round(time.perf_counter() - started, 3)
-        done.append((obj, report, result))
+        done.append((obj, report, result, mark))
         if store_each:
             _store(*done.pop(), settings)
 
     if done:
         name = done[0][1].name if len(done) == 1 else f"{len(done)} objects"
         yield Progress(1.0, name, count.rays, ready=True)
-    for obj, report, result in done:
-        _store(obj, report, result, settings)
+    for each in done:
+        _store(*each, settings)
     return reports
 
 
@@ -146,10 +159,12 @@ def _bake_object(
     scenes: OccluderScenes,
     tracer: Callable[[Occluders], Tracer],
     report: ObjectReport,
+    known: bytes,
     threads: int | None,
-) -> Generator[float, None, VertexResult | TextureResult]:
-    """Compute the bake of one object, of its own surface or of that of its ``partners``; yields the fraction done.
-    Raises BakeError."""
+) -> Generator[float, None, tuple[VertexResult | TextureResult | None, bytes]]:
+    """Compute the bake of one object, of its own surface or of that of its ``partners``; yields the fraction done,
+    returns the result and the fingerprint of all that it was made from. No result where that is ``known``. Raises
+    BakeError."""
     check_object(obj, context.view_layer)
     evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
     matrix = np.array(evaluated.matrix_world, np.float64)
@@ -162,23 +177,39 @@ def _bake_object(
         projection = None if partners is None else read_projection(context, obj, mesh, partners, settings)
         if settings.target == "VERTEX":
             check_attribute_names(obj, settings.bounces)
-            points = vertex_points(obj, mesh, matrix, projection and projection.cage)
-            bake_with, more = partial(bake_vertices, obj.data, points, matrix), (projection,)
+            source = vertex_points(obj, mesh, matrix, projection and projection.cage)
+            bake_with, shown, more = partial(bake_vertices, obj.data, source, matrix), (), (projection,)
         else:
             check_image_names(obj, image_channels(settings))
             uv_map = uv_map_name(mesh, settings.uv_map)
-            bake_with = partial(bake_texture, obj, read_surface(mesh, matrix, uv_map), uv_map, matrix)
-            shown = projection, albedo, read_bent_normal_map(mesh, matrix, uv_map, settings)
-            more = settings, folder, *shown, threads
+            source = read_surface(mesh, matrix, uv_map)
+            bake_with = partial(bake_texture, obj, source, uv_map, matrix)
+            shown = albedo, read_bent_normal_map(mesh, matrix, uv_map, settings)
+            more = settings, folder, projection, *shown, threads
     tracer = tracer((yield from scenes.scene_for(obj, report.warnings)))
     tracer = replace(tracer, albedo=scenes.albedo(report.warnings))
-    return (yield from in_thread(bake_with(tracer, report, *more)))
+    work = bake_with(tracer, report, *more)
+    if projection is not None:
+        source = source, projection.surface, projection.cage
+    made_from = extension_version(), settings, folder, scenes.key, tracer.albedo, matrix, source, shown
+    return (yield from in_thread(_unless_known(known, made_from, work)))
+
+
+def _unless_known(
+    known: bytes, made_from: tuple, work: Generator[float, None, VertexResult | TextureResult]
+) -> Generator[float, None, tuple[VertexResult | TextureResult | None, bytes]]:
+    """``work``, unless the fingerprint of what it is ``made_from`` is ``known``; and that fingerprint."""
+    yield 0.0
+    mark = fingerprint(*made_from)
+    result = None if mark == known else (yield from work)
+    return result, mark
 
 
 def _store(
     obj: bpy.types.Object,
     report: ObjectReport,
     result: VertexResult | TextureResult | None,
+    mark: bytes,
     settings: BakeSettings,
 ) -> None:
     """Write the result, plug the nodes in, and leave the record of the bake on ``obj``; None: its mesh has it."""
@@ -187,7 +218,7 @@ def _store(
             raise BakeError("is in Edit Mode: leave it, and bake again")
         if result is not None:
             report.outputs = result.write()
-        record_bake(obj, settings, report, result.uv_map if isinstance(result, TextureResult) else None)
+        record_bake(obj, settings, report, mark, result.uv_map if isinstance(result, TextureResult) else None)
     except BakeError as error:
         report.error = f"Object '{report.name}' {error}"
     except ReferenceError:

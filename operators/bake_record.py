@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import os
+
 import bpy
 
 from .images import recorded_images
@@ -14,10 +16,13 @@ from .settings import BakeSettings
 from .version import extension_version
 
 
-def record_bake(obj: bpy.types.Object, settings: BakeSettings, report: ObjectReport, uv_map: str | None = None) -> None:
+def record_bake(
+    obj: bpy.types.Object, settings: BakeSettings, report: ObjectReport, mark: bytes, uv_map: str | None = None
+) -> None:
     """Leave the record of a stored bake on ``obj`` and plug the nodes in where wanted; their warnings go to ``report``.
 
-    ``uv_map`` of a texture bake. The images are in the record already; those of an earlier bake stay in it, so that
+    ``mark`` is the fingerprint of what the bake was made from, empty where it is that of another object; ``uv_map`` of
+    a texture bake. The images are in the record already; those of an earlier bake stay in it, so that
     they are replaced and cleared with this object.
     """
     record = settings.as_property() | {
@@ -27,6 +32,8 @@ def record_bake(obj: bpy.types.Object, settings: BakeSettings, report: ObjectRep
         "seconds": report.seconds,
         "f0": report.f0,
         "images": recorded_images(obj),
+        "outputs": report.outputs,
+        "fingerprint": mark.hex(),
     }
     if uv_map is not None:
         record["uv_map"] = uv_map
@@ -55,3 +62,19 @@ def baked_source(obj: bpy.types.Object, group: str | None = None) -> BakedSource
 def curve_group(obj: bpy.types.Object) -> str:
     """Which of :data:`.material_nodes.GROUPS` shows the F0 of the last bake of ``obj`` by the curve."""
     return "CURVE_OF_RADIOSITY" if obj.get(PROPERTY, {}).get("bounces") == "RADIOSITY" else "CURVE"
+
+
+def baked_fingerprint(obj: bpy.types.Object) -> bytes:
+    """Of what the last bake of ``obj`` was made from; empty where there is none, or not all that it left."""
+    record = obj.get(PROPERTY, {})
+    if not record.get("fingerprint") or baked_source(obj) is None:
+        return b""
+    files = [bpy.path.abspath(image.filepath) for image in recorded_images(obj).values() if not image.packed_file]
+    return bytes.fromhex(record["fingerprint"]) if all(map(os.path.isfile, files)) else b""
+
+
+def tell_of_record(obj: bpy.types.Object, report: ObjectReport) -> None:
+    """Fill the ``report`` of an object that has its bake already."""
+    record = obj[PROPERTY]
+    report.points, report.f0, report.outputs = record["points"], record["f0"].to_dict(), list(record["outputs"])
+    report.warnings = [*record["warnings"], "Was baked already, with the same settings and geometry: left as it is"]

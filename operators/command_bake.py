@@ -10,12 +10,23 @@ import time
 import bpy
 
 from .bake_job import bake
-from .command_scene import DONE, NOT_ALL_DONE, UsageError, add_command, no_object, open_scene, save_scene, write_report
+from .command_files import UsageError, keep, save_scene
+from .command_scene import (
+    DONE,
+    NOT_ALL_DONE,
+    add_command,
+    meshes_in_collections,
+    named_objects,
+    no_collection,
+    no_object,
+    open_scene,
+    print_table,
+    progress_for,
+)
 from .occluder_reader import rendered_objects
-from .progress import StderrProgress, drive
-from .report import BakeError, ObjectReport, bake_report, count_text
+from .progress import Progress, drive
+from .report import BakeError, ObjectReport, count_text
 from .settings import BakeSettings
-from .version import extension_version
 
 
 def add_to(commands: argparse._SubParsersAction) -> None:
@@ -24,9 +35,29 @@ def add_to(commands: argparse._SubParsersAction) -> None:
         commands,
         "bake",
         help="bake the meshes of a .blend",
-        description="Bake the meshes of SCENE.blend that are enabled in renders, or those named by --object.",
-        object_help="bake this object; may be given again",
+        description=(
+            "Bake the meshes of SCENE.blend that are enabled in renders, or those named by --object and --collection."
+        ),
+        object_help="bake this object, or all meshes that a pattern such as 'Wall*' names; may be given again",
         failure="something could not be baked (the rest is done and kept)",
+    )
+    command.add_argument(
+        "--collection",
+        metavar="NAME",
+        action="append",
+        help="bake the meshes in this collection, or in all that a pattern names; may be given again",
+    )
+    command.add_argument(
+        "--resume",
+        action="store_true",
+        help="leave objects as they are that have their bake already, with the same settings and geometry",
+    )
+    command.add_argument(
+        "--checkpoint",
+        metavar="MINUTES",
+        type=float,
+        default=5.0,
+        help="with --save, save whenever so much time has passed too, for --resume to go on from; 0: at the end alone",
     )
     command.set_defaults(run=_bake)
 
@@ -34,29 +65,49 @@ def add_to(commands: argparse._SubParsersAction) -> None:
 def _bake(options: argparse.Namespace) -> int:
     started = time.perf_counter()
     scene = open_scene(options)
-    objects, missing = _objects(options.object)
-    show = (lambda progress: None) if options.quiet else StderrProgress()
+    objects, missing = _objects(options)
     settings = BakeSettings.of(scene)
+    show, checkpoints = progress_for(options), _Checkpoints(options)
+
+    def step(progress: Progress) -> None:
+        show(progress)
+        checkpoints.step(progress)
+
     try:
-        reports = drive(bake(bpy.context, objects, settings, store_each=True), show)
+        reports = drive(bake(bpy.context, objects, settings, store_each=True, resume=options.resume), step)
     except BakeError as error:
         reports = [ObjectReport(obj.name, settings.target, error=str(error)) for obj in objects]
-    reports += [ObjectReport(name, settings.target, error=no_object(name)) for name in missing]
+    reports += [ObjectReport(name, settings.target, error=message) for name, message in missing]
 
     baked = any(report.error is None for report in reports)
-    saved = save_scene(options.save) if options.save is not None and baked else True
-    if options.report is not None:
-        write_report(
-            options.report, bake_report(extension_version(), str(options.scene), time.perf_counter() - started, reports)
-        )
-    _tell(reports, options, baked)
-    return DONE if saved and not any(report.error for report in reports) else NOT_ALL_DONE
+    kept = keep(options, reports, started)
+    _tell(reports, options, baked, time.perf_counter() - started)
+    return DONE if kept and not any(report.error for report in reports) else NOT_ALL_DONE
 
 
-def _objects(names: list[str] | None) -> tuple[list[bpy.types.Object], list[str]]:
-    """The objects to bake, and the names among ``names`` that the view layer does not have."""
+class _Checkpoints:
+    """Saves the .blend now and then between two objects, so that a night's work is not lost with its last minute."""
+
+    def __init__(self, options: argparse.Namespace):
+        self._every = 60.0 * options.checkpoint if options.save is not None and options.checkpoint > 0.0 else None
+        self._name = options.save
+        self._saved_at, self._saved_rays, self._object = time.perf_counter(), 0, None
+
+    def step(self, progress: Progress) -> None:
+        """What came before the object at work is stored, and worth saving if rays were traced for it."""
+        if self._every is None or progress.name == self._object:
+            return
+        self._object = progress.name
+        if progress.rays > self._saved_rays and time.perf_counter() - self._saved_at > self._every:
+            save_scene(self._name)
+            self._saved_at, self._saved_rays = time.perf_counter(), progress.rays
+
+
+def _objects(options: argparse.Namespace) -> tuple[list[bpy.types.Object], list[tuple[str, str]]]:
+    """The objects to bake; and what was asked for that the view layer does not have, with what to say. Raises
+    UsageError."""
     view_layer = bpy.context.view_layer
-    if names is None:
+    if options.object is None and options.collection is None:
         rendered = rendered_objects(view_layer)
         objects = [obj for obj in view_layer.objects if obj.type == "MESH" and obj.data.polygons and obj in rendered]
         if not objects:
@@ -64,24 +115,38 @@ def _objects(names: list[str] | None) -> tuple[list[bpy.types.Object], list[str]
                 f"scene '{bpy.context.scene.name}' has no mesh with faces that is visible and enabled in renders"
             )
         return objects, []
-    names = list(dict.fromkeys(names))
-    found = [view_layer.objects[name] for name in names if name in view_layer.objects]
-    return found, [name for name in names if name not in view_layer.objects]
+    objects, unknown = named_objects(options.object or ())
+    inside, unknown_collections = meshes_in_collections(options.collection or ())
+    missing = [(name, no_object(name)) for name in unknown]
+    missing += [(name, no_collection(name)) for name in unknown_collections]
+    return list(dict.fromkeys([*objects, *inside])), missing
 
 
-def _tell(reports: list[ObjectReport], options: argparse.Namespace, baked: bool) -> None:
-    """Print a line an object on stderr."""
+def _tell(reports: list[ObjectReport], options: argparse.Namespace, baked: bool, seconds: float) -> None:
+    """Print on stderr what cannot be missed, then all in a table."""
     for report in reports:
         if report.error:
             print(f"Error: {report.error}", file=sys.stderr)
         elif not options.quiet:
             for warning in report.warnings:
                 print(f"Warning: '{report.name}': {warning}", file=sys.stderr)
-            if report.f0:
-                print(
-                    f"'{report.name}': {count_text(report.points)} points, {count_text(report.rays)} rays "
-                    f"in {report.seconds:.2f} s, mean AO {report.f0['mean']:.4f}",
-                    file=sys.stderr,
-                )
-    if baked and options.save is None and not options.quiet:
+    if options.quiet:
+        return
+    print_table(
+        ("object", "points", "rays", "seconds", "mean AO"),
+        [
+            (
+                report.name,
+                count_text(report.points),
+                count_text(report.rays),
+                f"{report.seconds:.2f}",
+                f"{report.f0['mean']:.4f}" if report.f0 and not report.error else "failed",
+            )
+            for report in reports
+        ],
+        sys.stderr,
+    )
+    failed = sum(report.error is not None for report in reports)
+    print(f"{len(reports) - failed} baked, {failed} failed, in {seconds:.1f} s", file=sys.stderr)
+    if baked and options.save is None:
         print("The .blend was not saved: add --save to keep the bake in it", file=sys.stderr)

@@ -11,11 +11,11 @@ from collections.abc import Callable
 import bpy
 
 from .bake_field import field_source, summary
-from .command_scene import DONE, NOT_ALL_DONE, UsageError, add_command, no_object, open_scene, save_scene, write_report
+from .command_files import UsageError, keep
+from .command_scene import DONE, NOT_ALL_DONE, add_command, named_objects, no_object, open_scene, progress_for
 from .field_job import FieldReport, FieldSettings, bake_object_field
-from .progress import Progress, StderrProgress, drive
-from .report import BakeError, bake_report
-from .version import extension_version
+from .progress import Progress, drive
+from .report import BakeError
 
 
 def add_to(commands: argparse._SubParsersAction) -> None:
@@ -29,7 +29,7 @@ def add_to(commands: argparse._SubParsersAction) -> None:
             "with --set output_directory=FOLDER, into OpenEXR cubemaps and JSON. The objects are those named by "
             "--object, or else the active one."
         ),
-        object_help="bake the field of this mesh object; may be given again",
+        object_help="bake the field of this object, or of meshes that a pattern like 'Tree*' names; may be given again",
         failure="something could not be baked (the rest is done and kept) or the .blend not saved",
     )
     command.set_defaults(run=_field)
@@ -38,17 +38,15 @@ def add_to(commands: argparse._SubParsersAction) -> None:
 def _field(options: argparse.Namespace) -> int:
     started = time.perf_counter()
     scene = open_scene(options)
-    names = list(dict.fromkeys(options.object)) if options.object is not None else [_active().name]
+    objects, missing = named_objects(options.object) if options.object is not None else ([_active()], [])
     settings = FieldSettings.of(scene)
-    reports = [_bake(name, settings, (lambda step: None) if options.quiet else StderrProgress()) for name in names]
+    reports = [_bake(obj, settings, progress_for(options)) for obj in objects]
+    reports += [FieldReport(name, error=no_object(name)) for name in missing]
 
     baked = any(report.error is None for report in reports)
-    saved = save_scene(options.save) if options.save is not None and baked else True
-    if options.report is not None:
-        seconds = time.perf_counter() - started
-        write_report(options.report, bake_report(extension_version(), str(options.scene), seconds, reports))
+    kept = keep(options, reports, started)
     _tell(reports, options, baked)
-    return DONE if saved and not any(report.error for report in reports) else NOT_ALL_DONE
+    return DONE if kept and not any(report.error for report in reports) else NOT_ALL_DONE
 
 
 def _active() -> bpy.types.Object:
@@ -59,14 +57,11 @@ def _active() -> bpy.types.Object:
     return source
 
 
-def _bake(name: str, settings: FieldSettings, show: Callable[[Progress], None]) -> FieldReport:
-    obj = bpy.context.view_layer.objects.get(name)
-    if obj is None:
-        return FieldReport(name, error=no_object(name))
+def _bake(obj: bpy.types.Object, settings: FieldSettings, show: Callable[[Progress], None]) -> FieldReport:
     try:
         return drive(bake_object_field(bpy.context, obj, settings), show)
     except BakeError as error:
-        return FieldReport(name, error=str(error))
+        return FieldReport(obj.name, error=str(error))
 
 
 def _tell(reports: list[FieldReport], options: argparse.Namespace, baked: bool) -> None:

@@ -9,13 +9,13 @@ import time
 
 import bpy
 
-from .command_scene import DONE, NOT_ALL_DONE, UsageError, add_command, no_object, open_scene, save_scene, write_report
+from .command_files import UsageError, keep
+from .command_scene import DONE, NOT_ALL_DONE, add_command, no_object, open_scene, progress_for
 from .fit_bounces import fit_source, summary
 from .fit_job import FitReport, fit_bounces
 from .fit_sources import FitSettings
-from .progress import StderrProgress, drive
-from .report import BakeError, bake_report
-from .version import extension_version
+from .progress import drive
+from .report import BakeError
 
 
 def add_to(commands: argparse._SubParsersAction) -> None:
@@ -41,7 +41,7 @@ def _fit(options: argparse.Namespace) -> int:
     started = time.perf_counter()
     scene = open_scene(options)
     source = _source(options.object)
-    show = (lambda progress: None) if options.quiet else StderrProgress()
+    show = progress_for(options)
     if isinstance(source, str):
         report = FitReport(source, "MESH", error=no_object(source))
     else:
@@ -51,12 +51,9 @@ def _fit(options: argparse.Namespace) -> int:
         except BakeError as error:
             report = FitReport.of(source, error=str(error))
 
-    saved = save_scene(options.save) if options.save is not None and report.error is None else True
-    if options.report is not None:
-        seconds = time.perf_counter() - started
-        write_report(options.report, bake_report(extension_version(), str(options.scene), seconds, [report]))
+    kept = keep(options, [report], started)
     _tell(report, options)
-    return DONE if saved and report.error is None else NOT_ALL_DONE
+    return DONE if kept and report.error is None else NOT_ALL_DONE
 
 
 def _source(names: list[str] | None) -> bpy.types.Object | bpy.types.Image | str:

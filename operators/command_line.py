@@ -8,8 +8,9 @@ import sys
 
 import bpy
 
-from . import command_bake, command_field, command_fit, command_world
-from .command_scene import DONE, WRONG_USAGE, UsageError
+from . import command_bake, command_field, command_fit, command_info, command_world
+from .command_files import UsageError
+from .command_scene import DONE, WRONG_USAGE
 
 
 def run(arguments: list[str]) -> int:
@@ -35,6 +36,7 @@ def _parser() -> argparse.ArgumentParser:
     command_field.add_to(commands)
     command_fit.add_to(commands)
     command_world.add_to(commands)
+    command_info.add_to(commands)
     return parser
 
 

@@ -1,28 +1,35 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What all commands share: their options, the .blend that they open and save, and the report."""
+"""What all commands share: their options, the .blend that they open, what they work on, and what they print."""
 
 from __future__ import annotations
 
 import argparse
-import json
 import sys
+from collections.abc import Callable, Iterable
+from fnmatch import fnmatchcase
 from pathlib import Path
 
 import bpy
 
+from .command_files import UsageError, begin_files
+from .progress import Progress, StderrProgress
 from .settings import set_from_text
 
 DONE, NOT_ALL_DONE, WRONG_USAGE = 0, 1, 2
 
 
-class UsageError(Exception):
-    """What was asked for cannot be understood or found; exit code 2."""
-
-
 def add_command(
-    commands: argparse._SubParsersAction, name: str, *, help: str, description: str, object_help: str, failure: str
+    commands: argparse._SubParsersAction,
+    name: str,
+    *,
+    help: str,
+    description: str,
+    object_help: str,
+    failure: str,
+    changes: bool = True,
 ) -> argparse.ArgumentParser:
-    """A command with the options that all have; ``failure`` is what exit code 1 stands for."""
+    """A command with the options that all have; ``failure`` is what exit code 1 stands for. One that ``changes``
+    nothing has no settings and nothing to save."""
     command = commands.add_parser(
         name,
         help=help,
@@ -31,20 +38,22 @@ def add_command(
     )
     command.add_argument("scene", metavar="SCENE.blend", type=Path)
     command.add_argument("--object", metavar="NAME", action="append", help=object_help)
-    command.add_argument(
-        "--set",
-        metavar="PROPERTY=VALUE",
-        action="append",
-        default=[],
-        help="change a setting of scene.multibounce_ao, such as samples=64 or target=TEXTURE; may be given again",
-    )
-    command.add_argument(
-        "--save",
-        metavar="FILE.blend",
-        nargs="?",
-        const="",
-        help="save the .blend afterwards, under its own name or as FILE.blend",
-    )
+    command.set_defaults(set=[], save=None)
+    if changes:
+        command.add_argument(
+            "--set",
+            metavar="PROPERTY=VALUE",
+            action="append",
+            default=[],
+            help="change a setting of scene.multibounce_ao, such as samples=64 or target=TEXTURE; may be given again",
+        )
+        command.add_argument(
+            "--save",
+            metavar="FILE.blend",
+            nargs="?",
+            const="",
+            help="save the .blend afterwards, under its own name or as FILE.blend",
+        )
     command.add_argument("--report", metavar="FILE.json", type=Path, help="write what was done as JSON")
     command.add_argument("--quiet", action="store_true", help="print errors only")
     return command
@@ -55,6 +64,7 @@ def open_scene(options: argparse.Namespace) -> bpy.types.Scene:
     path = options.scene
     if not path.is_file():
         raise UsageError(f"there is no file '{path}'")
+    begin_files(options)
     try:
         bpy.ops.wm.open_mainfile(filepath=str(path.resolve()), load_ui=False)
     except RuntimeError as error:
@@ -77,22 +87,52 @@ def no_object(name: str) -> str:
     return f"There is no object '{name}' in the view layer: choose among {meshes or 'none, it has no mesh'}"
 
 
-def save_scene(name: str) -> bool:
-    """Save the .blend as ``name``, or under its own if that is empty; prints why where it cannot be."""
-    try:
-        if name:
-            bpy.ops.wm.save_as_mainfile(filepath=str(Path(name).resolve()), relative_remap=True)
-        else:
-            bpy.ops.wm.save_mainfile()
-    except RuntimeError as error:
-        print(f"Error: '{name or bpy.data.filepath}' cannot be saved: {str(error).strip()}", file=sys.stderr)
-        return False
-    return True
+def named_objects(patterns: Iterable[str]) -> tuple[list[bpy.types.Object], list[str]]:
+    """The objects of the view layer that ``patterns`` name, each once, and the patterns that name none.
+
+    A pattern is a name, or else it names all meshes that it matches: * stands for any letters, ? for one.
+    """
+    objects, found, missing = bpy.context.view_layer.objects, {}, []
+    for pattern in patterns:
+        exact = objects.get(pattern)
+        named = [exact] if exact else [obj for obj in objects if obj.type == "MESH" and fnmatchcase(obj.name, pattern)]
+        found.update(dict.fromkeys(named))
+        if not named and pattern not in missing:
+            missing.append(pattern)
+    return list(found), missing
 
 
-def write_report(path: Path, report: dict) -> None:
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
-    except OSError as error:
-        raise UsageError(f"the report '{path}' cannot be written: {error.strerror}") from None
+def meshes_in_collections(patterns: Iterable[str]) -> tuple[list[bpy.types.Object], list[str]]:
+    """The meshes of the view layer in collections that ``patterns`` name, and in those inside; and the patterns that
+    name none. Patterns as for :func:`named_objects`."""
+    collections = [bpy.context.scene.collection, *bpy.context.scene.collection.children_recursive]
+    objects, found, missing = set(bpy.context.view_layer.objects), {}, []
+    for pattern in dict.fromkeys(patterns):
+        exact = [each for each in collections if each.name == pattern]
+        named = exact or [each for each in collections if fnmatchcase(each.name, pattern)]
+        found.update(
+            dict.fromkeys(obj for each in named for obj in each.all_objects if obj.type == "MESH" and obj in objects)
+        )
+        if not named:
+            missing.append(pattern)
+    return list(found), missing
+
+
+def no_collection(name: str) -> str:
+    """What to say where the scene has no collection ``name``."""
+    names = ", ".join(f"'{each.name}'" for each in bpy.context.scene.collection.children_recursive)
+    return f"There is no collection '{name}' in the scene: choose among {names or 'none, it has no collection'}"
+
+
+def progress_for(options: argparse.Namespace) -> Callable[[Progress], None]:
+    """Lines on stderr for someone who looks at a terminal; a pipe or a file gets only what comes of it."""
+    return StderrProgress() if sys.stderr.isatty() and not options.quiet else lambda step: None
+
+
+def print_table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]], file) -> None:
+    """In columns, the first to the left and the others to the right."""
+    lines = [head, *rows]
+    first, *others = (max(len(line[column]) for line in lines) for column in range(len(head)))
+    for name, *cells in lines:
+        numbers = "".join(f"  {cell:>{width}}" for cell, width in zip(cells, others, strict=True))
+        print(f"{name:<{first}}{numbers}".rstrip(), file=file)

@@ -8,10 +8,10 @@ import sys
 import time
 from dataclasses import asdict, dataclass, field
 
-from .command_scene import DONE, NOT_ALL_DONE, UsageError, add_command, open_scene, save_scene, write_report
+from .command_files import UsageError, keep
+from .command_scene import DONE, NOT_ALL_DONE, add_command, open_scene
 from .project_world import project_world, summary
-from .report import BakeError, bake_report
-from .version import extension_version
+from .report import BakeError
 
 
 @dataclass
@@ -51,14 +51,11 @@ def _project(options: argparse.Namespace) -> int:
     except BakeError as error:
         report.error = str(error)
     report.seconds = round(time.perf_counter() - started, 3)
-    saved = save_scene(options.save) if options.save is not None and report.error is None else True
-    if options.report is not None:
-        entry = bake_report(extension_version(), str(options.scene), time.perf_counter() - started, [report])
-        write_report(options.report, entry)
+    kept = keep(options, [report], started)
     if report.error:
         print(f"Error: {report.error}", file=sys.stderr)
     elif not options.quiet:
         print(summary(scene), file=sys.stderr)
         if options.save is None:
             print("The .blend was not saved: add --save to keep the projection in it", file=sys.stderr)
-    return DONE if saved and report.error is None else NOT_ALL_DONE
+    return DONE if kept and report.error is None else NOT_ALL_DONE

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.projection import HighSurface
-from ..core.surface import join
+from ..core.surface import Surface, join
 from .mesh_reader import evaluated_mesh, read_corner_vertices, read_positions, read_surface, to_world
 from .occluder_reader import SURFACE_TYPES
 from .report import BakeError
@@ -27,9 +27,10 @@ Sources = dict[bpy.types.Object, frozenset[bpy.types.Object]]
 
 @dataclass(frozen=True)
 class Projection:
-    """The ``high`` surface that a bake shows, and ``cage`` positions (n, 3) of the low mesh's vertices, world space;
-    None: rays follow the low normals."""
+    """The ``surface`` that a bake shows, made ready for its rays as ``high``, and ``cage`` positions (n, 3) of the low
+    mesh's vertices, world space; None: rays follow the low normals."""
 
+    surface: Surface
     high: HighSurface
     cage: NDArray[np.float64] | None = None
 
@@ -92,7 +93,7 @@ def read_projection(
     if not np.isfinite(surface.vertices).all():
         raise BakeError(f"is to show {names}, whose coordinates are not all finite numbers: delete or move those")
     high = HighSurface(surface, settings.cage_extrusion, settings.max_ray_distance or np.inf)
-    return Projection(high, _cage(depsgraph, low, settings.cage_object))
+    return Projection(surface, high, _cage(depsgraph, low, settings.cage_object))
 
 
 def _cage(

@@ -3,13 +3,12 @@
 
 from __future__ import annotations
 
-from hashlib import blake2b
-
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
 from ..core.rays import Occluders
+from .fingerprint import fingerprint
 
 # Larger scenes are freed with their bake, because Embree's tree takes memory that the artist's work may need.
 KEPT_TRIANGLES = 4_000_000
@@ -19,29 +18,18 @@ _kept: tuple[bytes, Occluders] | None = None
 
 def occluders_of(
     vertices: NDArray[np.float64], triangles: NDArray[np.int32], ground_height: float | None, centre: NDArray | None
-) -> Occluders:
-    """:class:`Occluders` of these arguments, built unless they are those of the last call, whatever objects they come
-    from."""
+) -> tuple[bytes, Occluders]:
+    """:class:`Occluders` of these arguments and their fingerprint. Built unless they are those of the last call,
+    whatever objects they come from."""
     global _kept
-    key = _digest(vertices, triangles, ground_height, centre)
+    key = fingerprint(vertices, triangles, ground_height, centre)
     if _kept is not None and _kept[0] == key:
-        return _kept[1]
+        return _kept
     _kept = None  # freed before the next is built
     occluders = Occluders(vertices, triangles, ground_height, centre)
     if len(triangles) <= KEPT_TRIANGLES:
         _kept = key, occluders
-    return occluders
-
-
-def _digest(*geometry: object) -> bytes:
-    digest = blake2b(digest_size=16)
-    for part in geometry:
-        if isinstance(part, np.ndarray):
-            digest.update(f"{part.dtype}{part.shape}".encode())
-            digest.update(np.ascontiguousarray(part).data)
-        else:
-            digest.update(repr(part).encode())
-    return digest.digest()
+    return key, occluders
 
 
 @bpy.app.handlers.persistent

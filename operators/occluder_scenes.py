@@ -66,6 +66,8 @@ class OccluderScenes:
         # The last one only: objects that share it follow one another, and each may be as large as the scene.
         self._owners: frozenset[bpy.types.Object] = frozenset()
         self._scene: Occluders | None = None
+        self.key = b""
+        """Fingerprint of the last scene that was given out, without its colours."""
         self._albedo: Albedo | None = None
         self._warnings: list[str] = []
         self._unread: list[str] = []
@@ -109,7 +111,9 @@ class OccluderScenes:
         vertices, triangles, self._warnings = read_occluders(depsgraph, owners)
         if self._colours:  # in the same moment: its triangles are those
             self._albedo, self._unread = read_albedo(depsgraph, owners)
-        self._scene = yield from in_thread(calling(occluders_of, vertices, triangles, self.ground_height, centre))
+        self.key, self._scene = yield from in_thread(
+            calling(occluders_of, vertices, triangles, self.ground_height, centre)
+        )
         # One that is centred on an object is for that object alone.
         self._owners = owners if centre is None else frozenset()
 

@@ -87,13 +87,13 @@ def test_save(blend, to, tmp_path):
 
 def test_what_cannot_be_baked_is_code_1_and_the_rest_is_done(blend, capsys):
     entries = reported(blend, "--quiet", "--object", "Nobody", "--object", "Lamp", "--object", "Crate", code=1)
-    errors = [entry["error"] for entry in entries]
-    assert re.search("'Nobody'.*'Crate', 'Ball'", errors[0])
-    assert "'Lamp' is not a mesh" in errors[1]
-    assert errors[2] is None and FIELD in bpy.data.objects["Crate"]
+    errors = {entry["name"]: entry["error"] for entry in entries}
+    assert re.search("'Nobody'.*'Crate', 'Ball'", errors["Nobody"])
+    assert "'Lamp' is not a mesh" in errors["Lamp"]
+    assert errors["Crate"] is None and FIELD in bpy.data.objects["Crate"]
     output = capsys.readouterr()
     assert output.out == ""
-    assert output.err.splitlines() == [f"Error: {error}" for error in errors[:2]]
+    assert output.err.splitlines() == [f"Error: {errors[name]}" for name in ("Lamp", "Nobody")]
 
 
 @pytest.mark.parametrize(
@@ -122,7 +122,7 @@ def test_tells_what_it_did(blend, capsys):
     assert run("field", blend) == 0
     error = capsys.readouterr().err
     assert "Baked the AO field of 'Ball': 8 x 8" in error
-    assert "100 %" in error and "add --save" in error
+    assert "add --save" in error
 
 
 def test_help(capsys):
