@@ -57,3 +57,10 @@ def fill_points(values: Sequence[NDArray], known: NDArray[np.bool_], edges: NDAr
             each[unknown[now]] = weighted / beside[now, None]
         known[unknown[now]] = True
         links, unknown = links[~now], unknown[~now]
+
+
+def straight_cones(f0: NDArray, alpha: NDArray, normals: NDArray) -> NDArray[np.float64]:
+    """Bent directions (k, 3) along ``normals`` (k, 3), for points whose F0 and alpha (k,) are those of others: as long
+    as it takes for F0 = 2 alpha b.n, which holds at every point that sees for itself."""
+    length = np.divide(f0, 2.0 * alpha, out=np.zeros(len(f0)), where=alpha > 0.0)
+    return np.minimum(length, 1.0)[:, None] * normals

@@ -20,7 +20,7 @@ from ..core.margin import extend_margin
 from ..core.projection import ProjectedPoints
 from ..core.rasterise import bands, rasterise
 from ..core.sample_points import PROBES, CornerTable, TexelPoints, spread_points, texel_places
-from ..core.surface import Surface
+from ..core.surface import Surface, unit
 from ..core.whole_files import whole_files
 from ..core.workers import Workers, mapped, slices
 from .derived_maps import colour_space, derive, extension, write_map
@@ -116,7 +116,7 @@ def bake_texture(
     world_to_object = linear_inverse(matrix)
     images = {channel: np.zeros((size * size, 4), np.float32) for channel in CHANNELS[settings.bounces]}
     colours = None if albedo is None else np.zeros((size * size, 3), np.float32)
-    f0 = []
+    f0, lost, lost_normals = [], [], []
     covered, known = np.zeros((2, size * size), bool)
     places = texel_places(settings.samples)
     corners = CornerTable(surface)
@@ -157,6 +157,9 @@ def bake_texture(
             workers.map(fill, slices(len(texels.texel), TEXELS_PER_PART))
         report.points += len(texels.texel)
         f0.append(visibility.f0[~visibility.lost])
+        at = np.flatnonzero(visibility.lost)
+        lost.append(texels.texel[at])
+        lost_normals.append(points.at(at).normals.mean(axis=2).T)
     if not report.points:
         raise BakeError(f"touches no texel in UV map '{uv_map}': pack its islands (UV > Pack Islands)")
     if overlaps(triangle_uv, report.points, size):
@@ -165,9 +168,11 @@ def bake_texture(
         )
     report.tell_f0(np.concatenate(f0), "texels", projection is not None)
 
-    images = {channel: pixels.reshape(size, size, 4) for channel, pixels in images.items()}
+    shaped = {channel: pixels.reshape(size, size, 4) for channel, pixels in images.items()}
     covered, known = covered.reshape(size, size), known.reshape(size, size)
-    fill_texels(list(images.values()), covered, known)
+    fill_texels(list(shaped.values()), covered, known)
+    tracer.fill_cones(images, np.concatenate(lost), unit(np.concatenate(lost_normals)), world_to_object)
+    images = shaped
     faces = None
     if settings.margin and settings.margin_type == "ADJACENT_FACES":
         faces = AdjacentFaces(triangle_uv, surface.vertex_triangles, size, size)

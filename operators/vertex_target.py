@@ -100,6 +100,8 @@ def bake_vertices(
     report.tell_f0(visibility.f0[known], "points", projection is not None)
     if not known.all():
         fill_points(list(channels.values()), known, _edges(mesh, points))
+        lost = np.flatnonzero(visibility.lost)
+        tracer.fill_cones(channels, lost, points.normals[lost], linear_inverse(matrix))
     return VertexResult(mesh, points.domain, {name: values[points.element_point] for name, values in channels.items()})
 
 
