@@ -44,8 +44,13 @@ def bent_cone(visibility: Visibility, world_to_object: NDArray) -> NDArray[np.fl
 
     world_to_object  (3, 3) float, the inverse of the object's linear transform
     """
-    world = visibility.bent.astype(np.float64)
+    return np.column_stack((to_object(visibility.bent, world_to_object), visibility.alpha)).astype(np.float32)
+
+
+def to_object(world: NDArray, world_to_object: NDArray) -> NDArray[np.float64]:
+    """Directions ``world`` (n, 3) in object space, their lengths kept."""
+    world = world.astype(np.float64)
     local = world @ np.asarray(world_to_object, np.float64).T
     length = lengths(local)
     local *= np.divide(lengths(world), length, out=np.zeros_like(length), where=length > 0.0)[:, None]
-    return np.column_stack((local, visibility.alpha)).astype(np.float32)
+    return local

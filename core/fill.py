@@ -12,8 +12,6 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .visibility import Visibility
-
 
 def fill_texels(images: Sequence[NDArray], covered: NDArray[np.bool_], known: NDArray[np.bool_]) -> None:
     """Give the texels of each of ``images`` (h, w, c) that are ``covered`` (h, w) but not ``known``, in place, the
@@ -61,17 +59,8 @@ def fill_points(values: Sequence[NDArray], known: NDArray[np.bool_], edges: NDAr
         links, unknown = links[~now], unknown[~now]
 
 
-def fill_lost(visibility: Visibility, edges: NDArray[np.integer], normals: NDArray[np.float64]) -> None:
-    """:func:`fill_points` for what those points of ``visibility`` see, in place, that are lost.
-
-    normals  (n, 3), unit length, world axes: F0 = 2 alpha b . n holds again for the mean direction b, as everywhere
-    """
-    known = ~visibility.lost
-    f0, alpha = visibility.f0[:, None], visibility.alpha[:, None]
-    moment = alpha * visibility.bent.astype(np.float64)
-    gathered = [] if visibility.gathered is None else [visibility.gathered]
-    fill_points([f0, alpha, moment, *gathered], known, edges)
-    filled = np.flatnonzero(~known & (visibility.alpha > 0.0))
-    moment, normal = moment[filled], normals[filled]
-    along = 0.5 * f0[filled] - (moment * normal).sum(axis=1, keepdims=True)
-    visibility.bent[filled] = (moment + along * normal) / alpha[filled]
+def straight_cones(f0: NDArray, alpha: NDArray, normals: NDArray) -> NDArray[np.float64]:
+    """Bent directions (k, 3) along ``normals`` (k, 3), for points whose F0 and alpha (k,) are those of others: as long
+    as it takes for F0 = 2 alpha b.n, which holds at every point that sees for itself."""
+    length = np.divide(f0, 2.0 * alpha, out=np.zeros(len(f0)), where=alpha > 0.0)
+    return np.minimum(length, 1.0)[:, None] * normals

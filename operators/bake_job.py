@@ -34,7 +34,8 @@ from .occluder_scenes import OccluderScenes
 from .progress import Progress
 from .report import BakeError, ObjectReport
 from .settings import BakeSettings
-from .texture_target import TextureResult, bake_texture
+from .texture_result import TextureResult
+from .texture_target import bake_texture
 from .tracer import RayCount, Tracer
 from .uv_layout import uv_map_name
 from .version import extension_version

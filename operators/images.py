@@ -136,43 +136,43 @@ def images_of_only(objects: Collection[bpy.types.Object]) -> set[bpy.types.Image
     }
 
 
-def store_image(obj: bpy.types.Object, channel: str, pixels: NDArray[np.float32], folder: str) -> str:
-    """Keep ``pixels`` (h, w, 4), bottom row first, as the image of ``channel``; returns its name if it is packed.
-
-    With a ``folder`` its file is there already: the image shows that file, whose path is returned. The image of an
-    earlier bake hands its users over, unless a duplicate of ``obj`` has it too. The record of ``obj`` points to the
-    new one.
-    """
-    if folder:
-        path = file_path(obj, channel, folder)
-        image = bpy.data.images.load(as_blender_shows_it(path), check_existing=False)
-    else:
-        height, width = pixels.shape[:2]
-        image = bpy.data.images.new(channel, width, height, alpha=True, float_buffer=True)
+def store_image(obj: bpy.types.Object, channel: str, pixels: NDArray[np.float32]) -> str:
+    """Keep ``pixels`` (h, w, 4), bottom row first, as the packed image of ``channel``; returns its name."""
+    height, width = pixels.shape[:2]
+    image = bpy.data.images.new(channel, width, height, alpha=True, float_buffer=True)
     image.colorspace_settings.name = "Non-Color"
-    image.alpha_mode = "CHANNEL_PACKED"
-    image[PROPERTY] = True
-    if not folder:
-        image.pixels.foreach_set(np.ascontiguousarray(pixels, np.float32).ravel())
-        image.pack()
+    image.pixels.foreach_set(np.ascontiguousarray(pixels, np.float32).ravel())
+    image.pack()
     _keep(obj, channel, image)
-    return str(path) if folder else image.name
+    return image.name
 
 
-def store_file(obj: bpy.types.Object, channel: str, path: Path, colour_space: str, is_packed: bool) -> str:
-    """As :func:`store_image`, for what is in the file ``path``, which may go where ``is_packed``."""
+def store_file(
+    obj: bpy.types.Object, channel: str, path: Path, colour_space: str, tiles: list[int], is_packed: bool
+) -> list[str]:
+    """Keep what the file ``path`` holds, or those of its ``tiles``, as the image of ``channel``; returns the files, or
+    the image's name where it ``is_packed``, so that the files may go."""
     image = bpy.data.images.load(str(path) if is_packed else as_blender_shows_it(path), check_existing=False)
+    if tiles:
+        image.source = "TILED"
+        image.tiles[0].number = tiles[0]
+        for number in tiles[1:]:
+            image.tiles.new(tile_number=number)
     image.colorspace_settings.name = colour_space
-    image[PROPERTY] = True
     if is_packed:
         image.pack()
-        image.filepath_raw = ""
+        image.filepath_raw = f"//{path.name}"
     _keep(obj, channel, image)
-    return image.name if is_packed else str(path)
+    if is_packed:
+        return [image.name]
+    return [str(path).replace("<UDIM>", str(number)) for number in tiles] if tiles else [str(path)]
 
 
 def _keep(obj: bpy.types.Object, channel: str, image: bpy.types.Image) -> None:
-    """Put ``image`` in the place of the one of an earlier bake."""
+    """Let ``image`` take the place of the one of an earlier bake, which hands its users over, unless a duplicate of
+    ``obj`` has it too. The record of ``obj`` points to the new one."""
+    image.alpha_mode = "CHANNEL_PACKED"
+    image[PROPERTY] = True
     previous = recorded_images(obj).get(channel)
     if previous in images_of_only({obj}):
         image.use_fake_user |= previous.use_fake_user

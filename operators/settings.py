@@ -107,6 +107,11 @@ class MultibounceAOSettings(bpy.types.PropertyGroup):
         soft_max=64,
         subtype="PIXEL",
     )
+    use_udim: BoolProperty(
+        name="UDIM Tiles",
+        description="Bake every UDIM tile that the UV map reaches into, to tiled images",
+        default=False,
+    )
     margin_type: EnumProperty(
         name="Margin Type",
         description="How the result is extended",
@@ -285,6 +290,7 @@ class BakeSettings:
     resolution: int
     margin: int
     margin_type: str
+    use_udim: bool
     uv_map: str
     output_directory: str
     use_bent_normal_map: bool

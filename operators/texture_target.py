@@ -1,12 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Baking to images: the texels of a UV map, a band of rows at a time."""
+"""Baking to images: the texels of a UV map, tile by tile, a band of rows at a time."""
 
 from __future__ import annotations
 
 from collections.abc import Generator
 from dataclasses import dataclass, replace
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import bpy
 import numpy as np
@@ -14,81 +12,26 @@ from numpy.typing import NDArray
 
 from ..core.adjacent_faces import AdjacentFaces
 from ..core.albedo import Albedo
-from ..core.exr import write_exr
 from ..core.fill import fill_texels
+from ..core.light_cache import LightCache
 from ..core.margin import extend_margin
 from ..core.projection import ProjectedPoints
-from ..core.rasterise import bands, rasterise
-from ..core.sample_points import PROBES, CornerTable, TexelPoints, spread_points, texel_places
-from ..core.surface import Surface
-from ..core.whole_files import whole_files
+from ..core.rasterise import Texels, bands, rasterise
+from ..core.sample_points import PROBES, CornerTable, SamplePoints, TexelPoints, spread_points, texel_places
+from ..core.surface import Surface, unit
 from ..core.workers import Workers, mapped, slices
 from .bent_normal_map import BentNormalMap
-from .derived_maps import colour_space, derive, extension, write_map
 from .high_to_low import Projection
-from .images import file_metadata, file_path, map_names, store_file, store_image
 from .mesh_reader import linear_inverse
 from .names import BENT_NORMAL, CHANNELS
 from .report import BakeError, ObjectReport
 from .settings import BakeSettings
+from .texture_result import TextureResult, Tile
 from .tracer import Tracer
-from .uv_layout import check_layout, expected_texels, overlaps
+from .uv_layout import check_layout, expected_texels, overlaps, touched_tiles
 
 # Texels whose channels a thread computes together.
 TEXELS_PER_PART = 2**15
-
-
-@dataclass(frozen=True)
-class TextureResult:
-    """Images (h, w, 4) of one object by channel, ready to be stored in ``folder``, or packed where that is empty; and
-    the base colour (h, w, 3), where a map needs it."""
-
-    obj: bpy.types.Object
-    uv_map: str
-    folder: str
-    settings: BakeSettings
-    channels: dict[str, NDArray[np.float32]]
-    albedo: NDArray[np.float32] | None
-
-    def write(self) -> list[str]:
-        """Store the images; returns their files or names. Raises OSError where a file cannot be written."""
-        maps = map_names(self.settings)
-        if not self.folder:
-            stored = [store_image(self.obj, channel, pixels, "") for channel, pixels in self.channels.items()]
-            with TemporaryDirectory() as folder:
-                paths = [Path(folder) / f"{number}{extension(self.settings)}" for number in range(len(maps))]
-                self._write_maps(dict(zip(maps, paths, strict=True)))
-                return stored + self._store_maps(dict(zip(maps, paths, strict=True)), is_packed=True)
-        files = {channel: file_path(self.obj, channel, self.folder) for channel in self.channels}
-        files |= {name: file_path(self.obj, name, self.folder, extension(self.settings)) for name in maps}
-        # All files before any of them takes its name, and before any image: where one cannot be written, the disk and
-        # the .blend stay as they were.
-        with whole_files(*files.values()) as parts:
-            parts = dict(zip(files, parts, strict=True))
-            for channel, pixels in self.channels.items():
-                write_exr(
-                    parts[channel],
-                    pixels,
-                    half=self.settings.color_depth == "16",
-                    codec=self.settings.exr_codec,
-                    metadata=self._metadata(channel),
-                )
-            self._write_maps({name: parts[name] for name in maps})
-        stored = [store_image(self.obj, channel, pixels, self.folder) for channel, pixels in self.channels.items()]
-        return stored + self._store_maps({name: files[name] for name in maps}, is_packed=False)
-
-    def _write_maps(self, paths: dict[str, Path]) -> None:
-        for name, path in paths.items():
-            write_map(path, name, derive(name, self.channels, self.albedo), self.settings, self._metadata(name))
-
-    def _store_maps(self, paths: dict[str, Path], is_packed: bool) -> list[str]:
-        return [
-            store_file(self.obj, name, path, colour_space(name, self.settings), is_packed)
-            for name, path in paths.items()
-        ]
-
-    def _metadata(self, channel: str) -> dict[str, str]:
-        return file_metadata(self.obj, channel, self.uv_map, self.settings)
 
 
 def bake_texture(
@@ -107,82 +50,127 @@ def bake_texture(
 ) -> Generator[float, None, TextureResult]:
     """Bake the texels of ``obj``, whose evaluated ``surface`` has the UVs of ``uv_map``; yields the fraction done.
 
-    ``matrix`` (4, 4) places the object; its texels show its own surface, or that of a ``projection``; ``albedo``
-    of its triangles is kept for the maps; ``bent_normals`` makes one more image; ``threads`` rasterise. Raises
-    BakeError where the UV map leaves nothing to bake.
+    ``matrix`` (4, 4) places the object; its texels show its own surface, or that of a ``projection``; ``albedo`` of its
+    triangles is kept for the maps; ``bent_normals`` makes one more image; ``threads`` rasterise. Raises BakeError where
+    the UV map leaves nothing to bake.
     """
     triangle_uv = surface.corner_uv[surface.triangles]
-    report.warnings += check_layout(triangle_uv, uv_map)
-
-    size = settings.resolution
-    world_to_object = linear_inverse(matrix)
-    images = {channel: np.zeros((size * size, 4), np.float32) for channel in CHANNELS[settings.bounces]}
-    if bent_normals is not None:
-        images[BENT_NORMAL] = np.tile(bent_normals.background(), (size * size, 1))
-    colours = None if albedo is None else np.zeros((size * size, 3), np.float32)
-    f0 = []
-    covered, known = np.zeros((2, size * size), bool)
-    places = texel_places(settings.samples)
+    report.warnings += check_layout(triangle_uv, uv_map, settings.use_udim)
+    numbers = touched_tiles(triangle_uv) if settings.use_udim else [1001]
     corners = CornerTable(surface)
     shown, extent, cage = corners, surface.extent, None
     if projection is not None:
         shown, extent = projection.high.corners, projection.high.extent
         if projection.cage is not None:
             cage = CornerTable(replace(surface, vertices=projection.cage))
-    expected = expected_texels(triangle_uv, size)
-    begin = tracer.light_share(expected)
-    lighting = tracer.light(spread_points(shown, PROBES), expected, extent)
+    texels = expected_texels(triangle_uv, settings.resolution, len(numbers))
+    begin = tracer.light_share(texels)
+    lighting = tracer.light(spread_points(shown, PROBES), texels, extent)
     cache = yield from mapped(lighting, lambda done: begin * done)
-    for first, last in bands(size, size, places):
-        texels = rasterise(triangle_uv, size, size, places, (first, last), threads)
-        if not len(texels.texel):
-            continue
-        points = TexelPoints(corners, texels, size)
-        if projection is not None:
-            points = ProjectedPoints(points, projection.high, cage and TexelPoints(cage, texels, size))
-        tracing = tracer.visibility(points, extent, cache)
-        rows = (last - first) / len(texels.texel)
+    places, maps = (triangle_uv, corners, cage, projection), (albedo, bent_normals)
+    baker = _TileBaker(surface, *places, tracer, cache, extent, linear_inverse(matrix), *maps, settings, threads)
+    tiles, f0 = {}, []
+    for done, number in enumerate(numbers):
 
-        def fraction(done: int, first=first, rows=rows) -> float:
-            return begin + (1.0 - begin) * (first + done * rows) / size
+        def fraction(part: float, done=done) -> float:
+            return begin + (1.0 - begin) * (done + part) / len(numbers)
 
-        visibility = yield from mapped(tracing, fraction)
-
-        def fill(part: slice, texels=texels, visibility=visibility) -> None:
-            texel = texels.texel[part]
-            for channel, values in tracer.channels(visibility[part], world_to_object).items():
-                images[channel][texel] = values
-            if bent_normals is not None:
-                images[BENT_NORMAL][texel] = bent_normals.colours(texels[part], visibility.bent[part])
-            covered[texel] = True
-            known[texel] = ~visibility.lost[part]
-            if albedo is not None:
-                triangle, weights = texels.triangle[part], texels.weights[part].reshape(-1, 2).T
-                values = albedo.at(triangle.reshape(-1), *weights)
-                colours[texel] = values.reshape(*triangle.shape, 3).mean(axis=1)
-
-        with Workers(threads) as workers:
-            workers.map(fill, slices(len(texels.texel), TEXELS_PER_PART))
-        report.points += len(texels.texel)
-        f0.append(visibility.f0[~visibility.lost])
-    if not report.points:
+        tile = yield from mapped(baker.bake(number, report, f0), fraction)
+        if tile is not None:
+            tiles[number] = tile
+    if not tiles:
         raise BakeError(f"touches no texel in UV map '{uv_map}': pack its islands (UV > Pack Islands)")
-    if overlaps(triangle_uv, report.points, size):
+    if overlaps(triangle_uv, report.points, settings.resolution, settings.use_udim):
         report.warnings.append(
             f"UV map '{uv_map}' overlaps itself: where faces share texels, one of them decides their colour"
         )
     report.tell_f0(np.concatenate(f0), "texels", projection is not None)
+    return TextureResult(obj, uv_map, folder, settings, tiles)
 
-    images = {channel: pixels.reshape(size, size, 4) for channel, pixels in images.items()}
-    covered, known = covered.reshape(size, size), known.reshape(size, size)
-    fill_texels(list(images.values()), covered, known)
-    faces = None
-    if settings.margin and settings.margin_type == "ADJACENT_FACES":
-        faces = AdjacentFaces(triangle_uv, surface.vertex_triangles, size, size)
-    colours = None if colours is None else colours.reshape(size, size, 3)
-    # Across a seam the tangent space is another one.
-    local = {BENT_NORMAL} if bent_normals is not None and bent_normals.is_tangent else set()
-    extended = [images[channel] for channel in images.keys() - local] + ([] if colours is None else [colours])
-    extend_margin(extended, covered, settings.margin, threads, faces)
-    extend_margin([images[channel] for channel in local], covered, settings.margin, threads)
-    return TextureResult(obj, uv_map, folder, settings, images, colours)
+
+@dataclass(frozen=True)
+class _TileBaker:
+    """What all tiles of a bake have in common; see :func:`bake_texture`."""
+
+    surface: Surface
+    triangle_uv: NDArray[np.float64]
+    corners: CornerTable
+    cage: CornerTable | None
+    projection: Projection | None
+    tracer: Tracer
+    cache: LightCache | None
+    extent: float
+    world_to_object: NDArray[np.float64]
+    albedo: Albedo | None
+    bent_normals: BentNormalMap | None
+    settings: BakeSettings
+    threads: int | None
+
+    def bake(
+        self, number: int, report: ObjectReport, f0: list[NDArray[np.float32]]
+    ) -> Generator[float, None, Tile | None]:
+        """The tile of that ``number``; None where nothing lies in it. Counts its points in ``report``, and adds their
+        F0 to ``f0``."""
+        size, tracer, threads = self.settings.resolution, self.tracer, self.threads
+        triangle_uv = self.triangle_uv - ((number - 1001) % 10, (number - 1001) // 10)
+        flat = {channel: np.zeros((size * size, 4), np.float32) for channel in CHANNELS[self.settings.bounces]}
+        if self.bent_normals is not None:
+            flat[BENT_NORMAL] = np.tile(self.bent_normals.background(), (size * size, 1))
+        colours = None if self.albedo is None else np.zeros((size * size, 3), np.float32)
+        lost, lost_normals = [], []
+        covered, known = np.zeros((2, size * size), bool)
+        places = texel_places(self.settings.samples)
+        for first, last in bands(size, size, places):
+            texels = rasterise(triangle_uv, size, size, places, (first, last), threads)
+            if not len(texels.texel):
+                continue
+            points = self._points(texels)
+            tracing = tracer.visibility(points, self.extent, self.cache)
+            rows = (last - first) / len(texels.texel)
+            visibility = yield from mapped(tracing, lambda done, first=first, rows=rows: (first + done * rows) / size)
+
+            def fill(part: slice, texels=texels, visibility=visibility) -> None:
+                texel = texels.texel[part]
+                for channel, values in tracer.channels(visibility[part], self.world_to_object).items():
+                    flat[channel][texel] = values
+                covered[texel] = True
+                known[texel] = ~visibility.lost[part]
+                if self.bent_normals is not None:
+                    flat[BENT_NORMAL][texel] = self.bent_normals.colours(texels[part], visibility.bent[part])
+                if colours is not None:
+                    triangle, weights = texels.triangle[part], texels.weights[part].reshape(-1, 2).T
+                    values = self.albedo.at(triangle.reshape(-1), *weights)
+                    colours[texel] = values.reshape(*triangle.shape, 3).mean(axis=1)
+
+            with Workers(threads) as workers:
+                workers.map(fill, slices(len(texels.texel), TEXELS_PER_PART))
+            report.points += len(texels.texel)
+            f0.append(visibility.f0[~visibility.lost])
+            at = np.flatnonzero(visibility.lost)
+            lost.append(texels.texel[at])
+            lost_normals.append(points.at(at).normals.mean(axis=2).T)
+        if not lost:
+            return None
+        images = {channel: pixels.reshape(size, size, 4) for channel, pixels in flat.items()}
+        covered, known = covered.reshape(size, size), known.reshape(size, size)
+        # A texel that is lost has a bent normal already, its own normal; its bent cone gets the same direction.
+        fill_texels([images[channel] for channel in CHANNELS[self.settings.bounces]], covered, known)
+        tracer.fill_cones(flat, np.concatenate(lost), unit(np.concatenate(lost_normals)), self.world_to_object)
+        tile = Tile(images, None if colours is None else colours.reshape(size, size, 3))
+        faces = None
+        if self.settings.margin and self.settings.margin_type == "ADJACENT_FACES":
+            faces = AdjacentFaces(triangle_uv, self.surface.vertex_triangles, size, size)
+        # Across a seam the tangent space is another one.
+        local = {BENT_NORMAL} if self.bent_normals is not None and self.bent_normals.is_tangent else set()
+        extended = [images[channel] for channel in images.keys() - local]
+        extended += [] if tile.albedo is None else [tile.albedo]
+        extend_margin(extended, covered, self.settings.margin, threads, faces)
+        extend_margin([images[channel] for channel in local], covered, self.settings.margin, threads)
+        return tile
+
+    def _points(self, texels: Texels) -> SamplePoints:
+        size = self.settings.resolution
+        points = TexelPoints(self.corners, texels, size)
+        if self.projection is None:
+            return points
+        return ProjectedPoints(points, self.projection.high, self.cage and TexelPoints(self.cage, texels, size))

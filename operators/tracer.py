@@ -10,14 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.albedo import Albedo
-from ..core.channels import bent_cone, fitted_bounces, measured_bounces, radiosity
+from ..core.channels import bent_cone, fitted_bounces, measured_bounces, radiosity, to_object
+from ..core.fill import straight_cones
 from ..core.light_cache import LightCache, build_light_cache, cells_wanted
 from ..core.rays import Obscurance, Occluders
 from ..core.sample_points import SamplePoints, SurfacePoints
 from ..core.sampling import hemisphere_pattern
 from ..core.visibility import Visibility, trace_visibility
 from ..core.workers import mapped
-from .names import CHANNELS
+from .names import BENT_CONE, CHANNELS, MULTIBOUNCE_AO, RADIOSITY
 from .settings import BakeSettings
 
 
@@ -86,6 +87,15 @@ class Tracer:
         bounces = {"FITTED": fitted_bounces, "BAKED": measured_bounces, "RADIOSITY": radiosity}[self.settings.bounces]
         values = bounces(visibility), bent_cone(visibility, world_to_object)
         return dict(zip(CHANNELS[self.settings.bounces], values, strict=True))
+
+    def fill_cones(
+        self, channels: dict[str, NDArray[np.float32]], lost: NDArray, normals: NDArray, world_to_object: NDArray
+    ) -> None:
+        """In ``channels`` (n, 4), give points ``lost`` (k,), whose values are now those of others, bent directions
+        along their own world ``normals`` (k, 3)."""
+        f0 = channels[RADIOSITY][lost, 3] if RADIOSITY in channels else channels[MULTIBOUNCE_AO][lost, 0]
+        cone = channels[BENT_CONE]
+        cone[lost, :3] = to_object(straight_cones(f0, cone[lost, 3], normals), world_to_object)
 
     def _common(self) -> dict:
         chosen = self.settings

@@ -9,6 +9,10 @@ from numpy.typing import NDArray
 
 from .report import BakeError
 
+# How many tiles UDIM has side by side, and one above the other.
+COLUMNS_ROWS = (10, 100)
+# A triangle reaches into a tile by more than rounding.
+REACH = 1e-5
 UNWRAP = "unwrap it first (UV > Smart UV Project), or bake to vertices"
 
 
@@ -23,38 +27,58 @@ def uv_map_name(mesh: bpy.types.Mesh, wanted: str) -> str:
     return wanted or next(layer.name for layer in layers if layer.active_render)
 
 
-def check_layout(triangle_uv: NDArray[np.float64], uv_map: str) -> list[str]:
-    """Warnings about ``triangle_uv`` (m, 3, 2). Raises BakeError where no texel could be baked."""
+def touched_tiles(triangle_uv: NDArray[np.float64]) -> list[int]:
+    """The UDIM tiles that the boxes of triangles (m, 3, 2) reach into: tile 1001 + u + 10 v is the unit square at u in
+    0 to 9 and v in 0 to 99."""
+    low, high = triangle_uv.min(axis=1) + REACH, triangle_uv.max(axis=1) - REACH
+    some = np.isfinite(low).all(axis=1) & np.isfinite(high).all(axis=1) & (low < high).all(axis=1)
+    boxes = np.floor(np.column_stack((low[some], high[some])))
+    boxes = np.clip(boxes, -1, [*COLUMNS_ROWS, *COLUMNS_ROWS]).astype(np.intp)
+    is_touched = np.zeros(COLUMNS_ROWS[::-1], bool)
+    for u0, v0, u1, v1 in np.unique(boxes, axis=0):
+        is_touched[max(v0, 0) : v1 + 1, max(u0, 0) : u1 + 1] = True
+    v, u = np.nonzero(is_touched)
+    return (1001 + u + 10 * v).tolist()
+
+
+def check_layout(triangle_uv: NDArray[np.float64], uv_map: str, has_tiles: bool = False) -> list[str]:
+    """Warnings about ``triangle_uv`` (m, 3, 2), which may lie in UDIM tiles. Raises BakeError where no texel could be
+    baked."""
     area = _area(triangle_uv)
     # Of the whole 0-1 tile; less than a texel of the largest image.
     if not np.nansum(np.where(np.isfinite(area), area, 0.0)) > 1e-10:
         raise BakeError(f"has no area in UV map '{uv_map}': {UNWRAP}")
     low, high = triangle_uv.min(axis=1), triangle_uv.max(axis=1)
-    outside = ((high <= 0.0) | (low >= 1.0)).any(axis=1)
+    end = np.array(COLUMNS_ROWS if has_tiles else (1, 1))
+    where = "the UDIM tiles" if has_tiles else "the 0-1 tile"
+    remedy = "pack its islands (UV > Pack Islands)" + ("" if has_tiles else ", or bake UDIM tiles")
+    outside = ((high <= 0.0) | (low >= end)).any(axis=1)
     if outside.all():
-        raise BakeError(f"lies outside the 0-1 tile in UV map '{uv_map}': pack its islands (UV > Pack Islands)")
+        raise BakeError(f"lies outside {where} in UV map '{uv_map}': {remedy}")
     warnings = []
-    crossing = ((low < -1e-5) | (high > 1.0 + 1e-5)).any(axis=1)
+    crossing = ((low < -REACH) | (high > end + REACH)).any(axis=1)
     if crossing.any():
         warnings.append(
-            f"UV map '{uv_map}': {crossing.mean():.1%} of the triangles reach out of the 0-1 tile, where nothing is "
-            "baked: pack its islands (UV > Pack Islands)"
+            f"UV map '{uv_map}': {crossing.mean():.1%} of the triangles reach out of {where}, where nothing is "
+            f"baked: {remedy}"
         )
     return warnings
 
 
-def overlaps(triangle_uv: NDArray[np.float64], covered: int, size: int) -> bool:
-    """Whether the triangles that lie in the 0-1 tile have more area than the ``covered`` texels of a ``size`` image.
+def overlaps(triangle_uv: NDArray[np.float64], covered: int, size: int, has_tiles: bool = False) -> bool:
+    """Whether the triangles that lie in the 0-1 tile, or in UDIM tiles, have more area than the ``covered`` texels of
+    images of ``size``.
 
     Those are all that the layout touches, so a layout without overlap never has.
     """
-    inside = (triangle_uv.min(axis=(1, 2)) >= 0.0) & (triangle_uv.max(axis=(1, 2)) <= 1.0)
+    end = COLUMNS_ROWS if has_tiles else (1, 1)
+    inside = (triangle_uv.min(axis=1) >= 0.0).all(axis=1) & (triangle_uv.max(axis=1) <= end).all(axis=1)
     return bool(_area(triangle_uv[inside]).sum() * size * size > 1.001 * covered)
 
 
-def expected_texels(triangle_uv: NDArray[np.float64], size: int) -> int:
-    """About how many texels of a ``size`` image a layout covers that does not overlap itself."""
-    return int(min(1.0, np.nansum(_area(triangle_uv))) * size * size)
+def expected_texels(triangle_uv: NDArray[np.float64], size: int, tiles: int = 1) -> int:
+    """About how many texels of so many ``tiles`` of ``size`` a layout covers that does not overlap itself."""
+    return int(min(float(tiles), np.nansum(_area(triangle_uv))) * size * size)
 
 
 def _area(triangle_uv: NDArray[np.float64]) -> NDArray[np.float64]:

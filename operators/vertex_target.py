@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.fill import fill_lost
+from ..core.fill import fill_points
 from ..core.projection import ProjectedPoints
 from ..core.sample_points import PROBES, CornerTable, SurfacePoints, spread_points
 from ..core.surface import Surface, extent_of, unit
@@ -105,10 +105,13 @@ def bake_vertices(
     cache = yield from mapped(tracer.light(probes, len(starts), extent), lambda done: begin * done)
     tracing = tracer.visibility(starts, extent, cache)
     visibility = yield from mapped(tracing, lambda done: begin + (1.0 - begin) * done / report.points)
-    report.tell_f0(visibility.f0[~visibility.lost], "points", projection is not None)
-    if visibility.lost.any():
-        fill_lost(visibility, _edges(points), points.normals)
+    known = ~visibility.lost
+    report.tell_f0(visibility.f0[known], "points", projection is not None)
     channels = tracer.channels(visibility, linear_inverse(matrix))
+    if not known.all():
+        fill_points(list(channels.values()), known, _edges(points))
+        lost = np.flatnonzero(visibility.lost)
+        tracer.fill_cones(channels, lost, points.normals[lost], linear_inverse(matrix))
     stored = {name: values[points.element_point] for name, values in channels.items()}
     return VertexResult(mesh, points.domain, stored, points.topology)
 

@@ -149,6 +149,7 @@ class MULTIBOUNCE_AO_PT_texture(SidebarPanel, bpy.types.Panel):
             column.prop_search(settings, "uv_map", obj.data, "uv_layers", icon="GROUP_UVS")
         else:
             column.prop(settings, "uv_map")
+        column.prop(settings, "use_udim")
         column.separator()
         column.prop(settings, "use_ao_map")
         column.prop(settings, "use_colored_ao_map")

@@ -4,8 +4,7 @@
 import numpy as np
 
 from core.closed_parts import in_closed_parts
-from core.fill import fill_lost, fill_points, fill_texels
-from core.visibility import Visibility
+from core.fill import fill_points, fill_texels, straight_cones
 
 TETRAHEDRON = np.array([(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)])
 
@@ -56,16 +55,10 @@ def test_points_take_the_mean_of_their_neighbours():
     assert values[:, 0].tolist() == [8, 5, 2, 5, 0, 0]
 
 
-def test_what_lost_points_see_fits_their_normals():
-    """F0 = 2 alpha b . n with the point's own normal; alpha and F0 are means."""
-    random = np.random.default_rng(1)
-    normals = random.normal(size=(3, 3))
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    alpha, bent = np.array([0.5, 0.3, 0.0]), random.uniform(-0.4, 0.4, (3, 3))
-    f0 = 2 * alpha * (bent * normals).sum(axis=1)
-    single = (each.astype(np.float32) for each in (f0, alpha, bent))
-    found = Visibility(*single, lost=np.array([False, False, True]))
-    fill_lost(found, np.array([(0, 2), (2, 1)]), normals)
-    np.testing.assert_allclose((found.f0[2], found.alpha[2]), (f0[:2].mean(), alpha[:2].mean()), atol=1e-6)
-    np.testing.assert_allclose(found.f0, 2 * found.alpha * (found.bent * normals).sum(axis=1), atol=1e-6)
-    np.testing.assert_allclose(found.bent[:2], bent[:2], atol=1e-7)
+def test_straight_cones_fit_what_they_come_from():
+    """F0 = 2 alpha b . n, as far as a direction of length 1 reaches."""
+    normals = np.array([(0.0, 0.0, 1.0), (0.6, 0.0, 0.8), (0.0, 1.0, 0.0)])
+    f0, alpha = np.array([0.4, 0.3, 0.0]), np.array([0.25, 0.3, 0.0])
+    bent = straight_cones(f0, alpha, normals)
+    np.testing.assert_allclose(2 * alpha * (bent * normals).sum(axis=1), f0, atol=1e-15)
+    np.testing.assert_allclose(np.cross(bent, normals), 0, atol=1e-15)

@@ -57,7 +57,7 @@ def test_decoded_with_the_meshs_tangents():
     from core.sample_points import texel_places
 
     obj = occluded_suzanne()
-    # With backs ignored, nothing is inside of anything, and no texel has its neighbour's colour.
+    # With backs ignored nothing is inside of anything, so each texel shows what it sees.
     found = bake_map(obj, samples=64, ignore_backfaces=True)
     expected, held = bent_cone(obj)
     mesh = obj.data

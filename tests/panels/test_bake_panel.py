@@ -96,7 +96,7 @@ def test_what_does_not_apply_is_grey(panels):
     settings = bpy.context.scene.multibounce_ao
     of_textures = {"resolution", "margin", "margin_type", "uv_map", "color_depth", "exr_codec"}
     of_textures |= {"use_bent_normal_map", "bent_normal_space", "bent_normal_y"}
-    of_textures |= {"use_ao_map", "use_colored_ao_map", "use_gltf_occlusion", "map_format"}
+    of_textures |= {"use_udim", "use_ao_map", "use_colored_ao_map", "use_gltf_occlusion", "map_format"}
     settings.target, settings.max_distance = "VERTEX", 0
     of_cages = {"use_match_names", "cage_object", "cage_extrusion", "max_ray_distance"}
     grey = {name for name, active in properties(everything(panels)).items() if not active}

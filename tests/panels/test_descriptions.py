@@ -65,6 +65,7 @@ def test_settings_are_those_of_the_contract():
         "seed": 0, "resolution": 1024, "margin": 16, "uv_map": "", "output_directory": "",
         "use_bent_normal_map": False, "bent_normal_space": "TANGENT", "bent_normal_y": "POS_Y", "height_map": None,
         "height_map_amplitude": pytest.approx(0.04), "field_resolution": 16, "use_field_volume": False,
+        "use_udim": False,
         "use_ao_map": False, "use_colored_ao_map": False, "map_format": "PNG_8", "use_gltf_occlusion": False,
         "use_selected_to_active": False, "use_match_names": False, "cage_object": None, "cage_extrusion": 0.0,
         "max_ray_distance": 0.0, "color_depth": "32", "exr_codec": "ZIP", "margin_type": "ADJACENT_FACES",

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a texture bake leaves: images, packed in the .blend or in files, one or one a tile."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.exr import write_exr
+from ..core.whole_files import whole_files
+from .derived_maps import colour_space, derive, extension, write_map
+from .images import file_metadata, file_path, image_channels, map_names, store_file, store_image
+from .settings import BakeSettings
+
+
+@dataclass(frozen=True)
+class Tile:
+    """Images (h, w, 4) by channel, and the base colour (h, w, 3) where a map needs it; all float32."""
+
+    channels: dict[str, NDArray[np.float32]]
+    albedo: NDArray[np.float32] | None
+
+
+@dataclass(frozen=True)
+class TextureResult:
+    """The tiles of one object by number, ready to be stored in ``folder``, or packed where that is empty. Without UDIM
+    that is tile 1001 alone."""
+
+    obj: bpy.types.Object
+    uv_map: str
+    folder: str
+    settings: BakeSettings
+    tiles: dict[int, Tile]
+
+    def write(self) -> list[str]:
+        """Store the images; returns their files or names. Raises OSError where a file cannot be written."""
+        names = image_channels(self.settings)
+        if self.folder:
+            return self._write_files(names, Path(self.folder))
+        stored = []
+        if not self.settings.use_udim:
+            # Straight from memory to the image.
+            names = map_names(self.settings)
+            (tile,) = self.tiles.values()
+            stored = [store_image(self.obj, channel, pixels) for channel, pixels in tile.channels.items()]
+        with TemporaryDirectory() as folder:
+            return stored + self._write_files(names, Path(folder))
+
+    def _write_files(self, names: tuple[str, ...], folder: Path) -> list[str]:
+        # All files before any of them takes its name, and before any image: where one cannot be written, the disk and
+        # the .blend stay as they were.
+        files = {name: self._path(name, folder) for name in names}
+        of_tiles = {(name, number): self._of_tile(files[name], number) for name in names for number in self.tiles}
+        with whole_files(*of_tiles.values()) as parts:
+            for (name, number), part in zip(of_tiles, parts, strict=True):
+                self._write(part, name, self.tiles[number])
+        tiles = list(self.tiles) if self.settings.use_udim else []
+        return [
+            output
+            for name in names
+            for output in store_file(self.obj, name, files[name], self._colour_space(name), tiles, not self.folder)
+        ]
+
+    def _path(self, name: str, folder: Path) -> Path:
+        path = file_path(self.obj, name, str(folder), extension(self.settings) if self._is_map(name) else None)
+        return path.with_name(f"{path.stem}.<UDIM>{path.suffix}") if self.settings.use_udim else path
+
+    def _of_tile(self, path: Path, number: int) -> Path:
+        return path.with_name(path.name.replace("<UDIM>", str(number)))
+
+    def _write(self, path: Path, name: str, tile: Tile) -> None:
+        metadata = file_metadata(self.obj, name, self.uv_map, self.settings)
+        if self._is_map(name):
+            write_map(path, name, derive(name, tile.channels, tile.albedo), self.settings, metadata)
+            return
+        half = self.settings.color_depth == "16"
+        write_exr(path, tile.channels[name], half=half, codec=self.settings.exr_codec, metadata=metadata)
+
+    def _colour_space(self, name: str) -> str:
+        return colour_space(name, self.settings) if self._is_map(name) else "Non-Color"
+
+    def _is_map(self, name: str) -> bool:
+        return name in map_names(self.settings)
