@@ -8,7 +8,7 @@ import pytest
 
 from .bakes import BENT_CONE, bake, change_settings, clear, operators, pixels, rms, select
 from .materials import material
-from .meshes import add_mesh, add_uv_map, box, corner_vertices, plate, read, suzanne
+from .meshes import add_mesh, add_uv_map, box, corner_vertices, plate, positions, read, suzanne
 from .refusals import error_of
 
 SIZE = 128
@@ -171,6 +171,22 @@ def test_closed_points_show_their_normal():
     box("Tomb", low=(-2, -2, -1), high=(2, 2, 1))
     for space in ("OBJECT", "TANGENT"):
         np.testing.assert_allclose(bake_map(obj, space, resolution=8), np.tile((0, 0, 1), (8, 8, 1)), atol=1e-6)
+
+
+def test_high_to_low():
+    """In the low mesh's space, what the high one sees: on a plane that is the world's."""
+    low, high = plate("Low"), plate("High", steps=24)
+    at = positions(high)
+    at[:, 2] = 0.15 * np.cos(4 * at[:, 0]) * np.cos(5 * at[:, 1])
+    high.data.vertices.foreach_set("co", at.astype(np.float32).ravel())
+    change_settings(target="TEXTURE", bounces="FITTED", resolution=32, margin=0, samples=64, use_material_nodes=False)
+    change_settings(use_bent_normal_map=True, use_selected_to_active=True, cage_extrusion=0.5)
+    select(low, high)
+    assert bpy.ops.multibounce_ao.bake() == {"FINISHED"}
+    found = pixels(bpy.data.images[f"Low {MAP}"])[..., :3] * 2.0 - 1.0
+    expected, held = bent_cone(low)
+    assert held.all() and degrees_between(expected, (0, 0, 1)).max() > 20
+    np.testing.assert_allclose(found, unit(expected), atol=1e-5)
 
 
 def test_background_is_flat():
