@@ -21,7 +21,7 @@ from .progress import Pace, Progress, StderrProgress, drive
 from .report import BakeError
 
 # Seconds between steps, the most that one takes where there is always something new, and between drawings of it.
-TICK, STEP, REDRAW = 0.04, 0.02, 0.1
+TICK, STEP, REDRAW = 0.04, 0.01, 0.25
 
 
 class Running:

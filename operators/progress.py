@@ -38,8 +38,8 @@ class Pace:
 
     def __init__(self, now: Callable[[], float] = time.perf_counter):
         self._now = now
-        # When the work had come how far, that is first known: reading the scene before that says nothing of the rest.
-        self._first: tuple[float, float] | None = None
+        # When the work was last where it began: reading the scene until then says nothing of the rest.
+        self._began = now()
         self._first_ray: float | None = None
         self.left: float | None = None
         """Seconds to go; None while that is unknown."""
@@ -48,11 +48,12 @@ class Pace:
 
     def __call__(self, progress: Progress) -> None:
         now = self._now()
-        if progress.fraction > 0.0:
-            self._first = self._first or (now, progress.fraction)
-            elapsed, done = now - self._first[0], progress.fraction - self._first[1]
-            if done > 0.0 and elapsed >= (self.LEAST_SECONDS if done >= self.LEAST_FRACTION else self.LONG):
-                self.left = elapsed * (1.0 - progress.fraction) / done
+        if progress.fraction <= 0.0:
+            self._began = now
+        else:
+            elapsed = now - self._began
+            if elapsed >= (self.LEAST_SECONDS if progress.fraction >= self.LEAST_FRACTION else self.LONG):
+                self.left = elapsed * (1.0 / progress.fraction - 1.0)
         if progress.rays:
             self._first_ray = self._first_ray or now
             if now > self._first_ray:

@@ -181,8 +181,8 @@ def test_scene_without_an_active_mesh(tmp_path, capsys):
     assert "it has none" in capsys.readouterr().err
 
 
-def test_a_save_that_fails_is_code_1_and_the_report_is_there(blend, capsys):
-    assert reported(blend, "--save", blend / "below" / "a.blend", code=1)["error"] is None
+def test_a_save_that_cannot_work_is_told_before_the_work(blend, capsys):
+    assert run("fit", blend, "--save", blend / "below" / "a.blend") == 2
     assert "below" in capsys.readouterr().err
 
 

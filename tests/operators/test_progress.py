@@ -14,7 +14,7 @@ def progress():
 
 def pace_after(progress, steps):
     """The pace when steps (seconds, fraction, rays) have been."""
-    times = iter([time for time, _, _ in steps])
+    times = iter([0.0, *(time for time, _, _ in steps)])
     pace = progress.Pace(now=lambda: next(times))
     for _, fraction, rays in steps:
         pace(progress.Progress(fraction, "Suzanne", rays))
@@ -23,16 +23,17 @@ def pace_after(progress, steps):
 
 def test_time_left_and_rays_a_second(progress):
     # Reading takes 7 s. From then on 4 % a second.
-    pace = pace_after(progress, [(0, 0, 0), (7, 0.01, 0), (9, 0.09, 0), (10, 0.13, 1000), (12, 0.21, 5000)])
-    assert pace.left == pytest.approx(0.79 / 0.04)
+    pace = pace_after(progress, [(7, 0, 0), (8, 0.04, 0), (9, 0.08, 0), (10, 0.12, 1000), (12, 0.2, 5000)])
+    assert pace.left == pytest.approx(0.8 / 0.04)
     assert pace.rate == pytest.approx(5000 / 2)
     assert pace.text() == "2,500 rays/s, 20 s left"
 
 
 def test_nothing_is_said_too_early(progress):
     assert pace_after(progress, [(0, 0, 0), (9, 0, 0)]).text() == ""
-    assert pace_after(progress, [(0, 0, 0), (1, 0.01, 0), (3, 0.02, 0)]).left is None  # hardly begun
-    assert pace_after(progress, [(0, 0, 0), (1, 0.01, 0), (1.1, 0.5, 0)]).left is None  # no time to measure
+    assert pace_after(progress, [(1, 0, 0), (3, 0.01, 0)]).left is None  # hardly begun
+    assert pace_after(progress, [(1, 0, 0), (1.1, 0.5, 0)]).left is None  # no time to measure
+    assert pace_after(progress, [(1, 0, 0), (5, 0.01, 0)]).left == pytest.approx(4 * 99)  # it is going to be long
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ written to results.json under its name, and what it raises too. Blender quits af
 """
 
 import json
+import os
 import sys
 import time
 import traceback
@@ -19,15 +20,17 @@ import bpy
 tests, folder = (Path(argument) for argument in sys.argv[sys.argv.index("--") + 1 :])
 sys.path[:0] = [str(tests), str(tests / "window")]
 from artist import running  # noqa: E402
+from measures import MEASURES  # noqa: E402
 from scenes import SCENES  # noqa: E402
 
-POLL, MOST_SECONDS = 0.02, 40.0
+POLL, MOST_SECONDS = 0.02, 90.0
 
 
 def play() -> Generator[float | Callable[[], bool], None, None]:
     """All scenes, one after another."""
     results = {}
-    for scene in SCENES:
+    measures = MEASURES if os.environ.get("WINDOW_MEASURES") else []
+    for scene in (*measures, *SCENES):  # the last of those quits
         print(f"{time.monotonic():.1f} {scene.__name__}", flush=True)
         try:
             outcome = yield from scene(folder)

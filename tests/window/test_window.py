@@ -2,6 +2,7 @@
 """The extension in Blender's own window, under a virtual display: the scenes of scenes.py and what came of them."""
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -11,6 +12,7 @@ import pytest
 
 from .display import SIZE, XVFB, virtual_display, write_png
 
+MEASURED = pytest.mark.skipif(not os.environ.get("WINDOW_MEASURES"), reason="takes minutes: set WINDOW_MEASURES=1")
 HERE = Path(__file__).resolve().parent
 # Where the photographs stay, to be looked at.
 PICTURES = HERE.parents[1] / "build" / "window"
@@ -31,7 +33,7 @@ def played(tmp_path_factory):
         command = [bpy.app.binary_path, "-noaudio", "--enable-event-simulate", "--window-geometry", *geometry]
         command += ["--python-exit-code", "1", "--python", str(HERE / "director.py"), "--", str(HERE.parent), folder]
         environment["TMPDIR"] = str(folder)
-        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, timeout=240)
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, timeout=600)
     PICTURES.mkdir(parents=True, exist_ok=True)
     for photograph in sorted(folder.glob("*.xwd")):
         write_png(PICTURES / f"{photograph.stem}.png", photograph)
@@ -100,3 +102,24 @@ def test_open_a_file_while_baking(scene):
 def test_quit_while_baking(scene, played):
     assert scene == {}
     assert played[1].returncode == 0, played[1].stdout + played[1].stderr
+
+
+@MEASURED
+def test_cancel_again_and_again(scene):
+    print("Esc to idle, s, median and longest of 20:", scene["seconds"])
+    assert scene["differences"] == []
+
+
+@MEASURED
+def test_large_scene(scene):
+    print(scene["triangles"], "triangles, median frame, ms, alone and beside a bake:", scene["frame_ms"])
+    print("of it in the bake's own steps, ms, median, longest, and longest to read the scene:", scene["step_ms"])
+
+
+@MEASURED
+def test_cost_of_the_window(scene):
+    for kind, unit in (("", "s"), (" cpu", "s of all processors, with the window's own")):
+        modal, blocking = scene["seconds"]["modal" + kind], scene["seconds"]["blocking" + kind]
+        print(f"in the window {modal:.2f}, blocking {blocking:.2f} {unit}: {modal / blocking:.2f}")
+    print(f"an idle window takes {scene['idle_cpu']:.2f} s of the processors a second")
+    print("time left told after a tenth, over what it took:", scene["told_over_true"])
