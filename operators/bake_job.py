@@ -82,7 +82,7 @@ def bake(
             partners = None if sources is None else sources[obj]
             work = _bake_object(context, obj, partners, settings, folder, scenes, tracer, report, threads)
             try:
-                result = yield from mapped(work, partial(_progress, index, len(objects), obj.name))
+                result = yield from mapped(work, partial(_progress, index, len(objects), report))
             except BakeError as error:
                 report.error = f"Object '{obj.name}' {error}"
                 continue
@@ -107,8 +107,8 @@ def _share(baked: ObjectReport, report: ObjectReport, bounces: str) -> None:
     )
 
 
-def _progress(index: int, count: int, name: str, part: float) -> Progress:
-    return Progress((index + part) / count, name)
+def _progress(index: int, count: int, report: ObjectReport, part: float) -> Progress:
+    return Progress((index + part) / count, report.name, report.note)
 
 
 def _bake_object(

@@ -13,10 +13,11 @@ Result = TypeVar("Result")
 
 @dataclass(frozen=True)
 class Progress:
-    """``fraction`` of a whole bake in [0, 1] and the ``name`` of the object at work."""
+    """``fraction`` of a whole bake in [0, 1], the ``name`` of the object at work, and a ``note`` about it."""
 
     fraction: float
     name: str
+    note: str = ""
 
 
 def drive(work: Generator[Progress, None, Result], show: Callable[[Progress], None]) -> Result:
@@ -31,13 +32,15 @@ def drive(work: Generator[Progress, None, Result], show: Callable[[Progress], No
 
 
 class StderrProgress:
-    """Prints a line on stderr for every tenth of the way."""
+    """Prints a line on stderr for every tenth of the way, and for every note."""
 
     def __init__(self) -> None:
         self._printed = -1
+        self._note = ""
 
     def __call__(self, progress: Progress) -> None:
         tenth = int(10 * progress.fraction)
-        if tenth > self._printed:
-            self._printed = tenth
-            print(f"Multibounce AO: {10 * tenth:3d} %  {progress.name}", file=sys.stderr, flush=True)
+        if tenth > self._printed or progress.note not in ("", self._note):
+            self._printed, self._note = tenth, progress.note
+            note = f", {progress.note}" if progress.note else ""
+            print(f"Multibounce AO: {10 * tenth:3d} %  {progress.name}{note}", file=sys.stderr, flush=True)
