@@ -40,9 +40,9 @@ def write_exr(
 
     compression = getattr(OpenEXR, "NO_COMPRESSION" if codec == "NONE" else f"{codec}_COMPRESSION")
     header = {**(metadata or {}), "compression": compression, "type": OpenEXR.scanlineimage}
-    image = pixels[::-1].astype(np.float16 if half else np.float32)
     # Single channels, not one "RGBA" array, which OpenEXR would store under that name.
-    channels = {name: np.ascontiguousarray(image[..., i]) for i, name in enumerate("RGBA")}
+    kind = np.float16 if half else np.float32
+    channels = {name: np.ascontiguousarray(pixels[::-1, :, i], kind) for i, name in enumerate("RGBA")}
     try:
         with OpenEXR.File(header, channels) as file:
             file.write(str(path))

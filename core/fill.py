@@ -18,9 +18,9 @@ def fill_texels(images: Sequence[NDArray], covered: NDArray[np.bool_], known: ND
     value of the nearest known texel of their island. Islands without any stay."""
     from scipy.ndimage import distance_transform_edt, find_objects, label
 
-    island, count = label(covered, np.ones((3, 3)))
-    if not count:
+    if not (covered & ~known).any():
         return
+    island, count = label(covered, np.ones((3, 3)))
     wanted = np.bincount(island[covered & ~known], minlength=count + 1) > 0
     found = np.bincount(island[known], minlength=count + 1) > 0
     boxes = find_objects(island)

@@ -86,8 +86,8 @@ def bake(
     ends = _ends(objects, settings.target)
     for obj, report, begin, end in zip(objects, reports, [0.0, *ends], ends, strict=False):
 
-        def progress(part: float, name=report.name, begin=begin, end=end) -> Progress:
-            return Progress(begin + (end - begin) * part, name, count.rays)
+        def progress(part: float, report=report, begin=begin, end=end) -> Progress:
+            return Progress(begin + (end - begin) * part, report.name, count.rays, note=report.note)
 
         started = time.perf_counter()
         yield progress(0.0)

@@ -30,6 +30,7 @@ def record_bake(
         "points": report.points,
         "rays": float(report.rays),  # ID properties have 32-bit integers
         "seconds": report.seconds,
+        "memory": report.note,
         "f0": report.f0,
         "images": recorded_images(obj),
         "outputs": report.outputs,

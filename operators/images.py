@@ -143,6 +143,7 @@ def store_image(obj: bpy.types.Object, channel: str, pixels: NDArray[np.float32]
     image.colorspace_settings.name = "Non-Color"
     image.pixels.foreach_set(np.ascontiguousarray(pixels, np.float32).ravel())
     image.pack()
+    image.buffers_free()  # until somebody looks at it: large ones take gigabytes
     _keep(obj, channel, image)
     return image.name
 

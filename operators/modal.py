@@ -78,7 +78,9 @@ class Running:
 
     def details(self) -> str:
         """How fast it is and how long it will take, or what it waits for."""
-        return "Switch to Object Mode to store it" if self.waits else self.pace.text()
+        if self.waits:
+            return "Switch to Object Mode to store it"
+        return "    ".join(filter(None, (self.pace.text(), self.progress.note)))
 
     def _show(self, context: bpy.types.Context) -> None:
         if context.workspace is not None:

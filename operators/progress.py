@@ -22,12 +22,14 @@ class Progress:
     name      of the object at work
     rays      traced so far; 0 where they are not counted
     ready     all is computed, and the next step writes it
+    note      what to know of that object's work
     """
 
     fraction: float
     name: str
     rays: int = 0
     ready: bool = False
+    note: str = ""
 
 
 class Pace:
@@ -86,13 +88,15 @@ def drive(work: Generator[Progress, None, Result], show: Callable[[Progress], No
 
 
 class StderrProgress:
-    """Prints a line on stderr for every tenth of the way."""
+    """Prints a line on stderr for every tenth of the way, and for every note."""
 
     def __init__(self) -> None:
         self._printed = -1
+        self._note = ""
 
     def __call__(self, progress: Progress) -> None:
         tenth = int(10 * progress.fraction)
-        if tenth > self._printed:
-            self._printed = tenth
-            print(f"Multibounce AO: {10 * tenth:3d} %  {progress.name}", file=sys.stderr, flush=True)
+        if tenth > self._printed or progress.note not in ("", self._note):
+            self._printed, self._note = tenth, progress.note
+            note = f", {progress.note}" if progress.note else ""
+            print(f"Multibounce AO: {10 * tenth:3d} %  {progress.name}{note}", file=sys.stderr, flush=True)

@@ -8,6 +8,9 @@ from dataclasses import asdict, dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+# Bytes from which on a bake tells what it takes.
+MUCH_MEMORY = 1e9
+
 
 class BakeError(Exception):
     """One object, or a whole bake, cannot be done; the message names it and says what to do."""
@@ -15,7 +18,8 @@ class BakeError(Exception):
 
 @dataclass
 class ObjectReport:
-    """The bake of one object; ``error`` is None where it was done. The JSON report lists these fields."""
+    """The bake of one object; ``error`` is None where it was done. The JSON report lists these fields, but for
+    ``memory``, the bytes that images take while they are baked."""
 
     name: str
     target: str
@@ -27,6 +31,12 @@ class ObjectReport:
     outputs: list[str] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     error: str | None = None
+    memory: float = 0.0
+
+    @property
+    def note(self) -> str:
+        """What memory it takes, where that is much."""
+        return f"needs about {self.memory / 1e9:.1f} GB of memory" if self.memory >= MUCH_MEMORY else ""
 
     def tell_f0(self, f0: NDArray[np.float32], what: str, projected: bool = False) -> None:
         """Set :attr:`f0` from the F0 (k,) of those points that can be seen, and tell how many cannot; ``what`` they are
@@ -53,7 +63,7 @@ class ObjectReport:
             )
 
     def as_dict(self) -> dict:
-        return asdict(self)
+        return {name: value for name, value in asdict(self).items() if name != "memory"}
 
 
 def statistics(f0: NDArray[np.float32]) -> dict[str, float]:

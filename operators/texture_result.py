@@ -38,18 +38,21 @@ class TextureResult:
     tiles: dict[int, Tile]
 
     def write(self) -> list[str]:
-        """Store the images; returns their files or names. Raises OSError where a file cannot be written."""
+        """Store the images and let go of them here; returns their files or names. Raises OSError where a file cannot
+        be written."""
         names = image_channels(self.settings)
-        if self.folder:
-            return self._write_files(names, Path(self.folder))
-        stored = []
-        if not self.settings.use_udim:
-            # Straight from memory to the image.
-            names = map_names(self.settings)
-            (tile,) = self.tiles.values()
-            stored = [store_image(self.obj, channel, pixels) for channel, pixels in tile.channels.items()]
+        stored = self._write_files(names, Path(self.folder)) if self.folder else self._pack(names)
+        self.tiles.clear()
+        return stored
+
+    def _pack(self, names: tuple[str, ...]) -> list[str]:
         with TemporaryDirectory() as folder:
-            return stored + self._write_files(names, Path(folder))
+            if self.settings.use_udim:
+                return self._write_files(names, Path(folder))
+            maps = self._write_files(map_names(self.settings), Path(folder))
+        # The others straight from memory to the image, which then is all that has them.
+        (tile,) = self.tiles.values()
+        return [store_image(self.obj, name, tile.channels.pop(name)) for name in list(tile.channels)] + maps
 
     def _write_files(self, names: tuple[str, ...], folder: Path) -> list[str]:
         # All files before any of them takes its name, and before any image: where one cannot be written, the disk and

@@ -26,6 +26,7 @@ from .mesh_reader import linear_inverse
 from .names import BENT_NORMAL, CHANNELS
 from .report import BakeError, ObjectReport
 from .settings import BakeSettings
+from .texture_memory import check_memory, needed_memory
 from .texture_result import TextureResult, Tile
 from .tracer import Tracer
 from .uv_layout import check_layout, expected_texels, overlaps, touched_tiles
@@ -57,6 +58,9 @@ def bake_texture(
     triangle_uv = surface.corner_uv[surface.triangles]
     report.warnings += check_layout(triangle_uv, uv_map, settings.use_udim)
     numbers = touched_tiles(triangle_uv) if settings.use_udim else [1001]
+    report.memory = needed_memory(settings, len(numbers), len(triangle_uv))
+    check_memory(report.memory)
+    yield 0.0
     corners = CornerTable(surface)
     shown, extent, cage = corners, surface.extent, None
     if projection is not None:
