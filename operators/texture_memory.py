@@ -23,7 +23,7 @@ def needed_memory(settings: BakeSettings, tiles: int, triangles: int) -> float:
     scene takes already."""
     texels = settings.resolution**2
     colour = COLOUR if settings.use_colored_ao_map and settings.bounces != "RADIOSITY" else 0
-    images = IMAGE * len(CHANNELS[settings.bounces]) + colour
+    images = IMAGE * (len(CHANNELS[settings.bounces]) + settings.use_bent_normal_map) + colour
     return tiles * texels * images + max(texels * MASKS + BAND, texels * STORING) + TRIANGLE * triangles
 
 
