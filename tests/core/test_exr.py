@@ -85,16 +85,16 @@ sys.path.insert(0, sys.argv[1])
 from core.exr import write_exr
 from core.whole_files import whole_files
 paths = [pathlib.Path(sys.argv[2]) / name for name in ("one.exr", "two.exr")]
-print("ready", flush=True)
 for count in itertools.count(1):
     with whole_files(*paths) as parts:
         for part in parts:
             write_exr(part, np.full((256, 256, 4), count, np.float32), codec="NONE")
+    print("written", flush=True)
 """
 
 
 def test_killed_at_ten_random_moments(tmp_path):
-    random, most = np.random.default_rng(0), 0.0
+    random = np.random.default_rng(0)
     for number in range(10):
         folder = tmp_path / str(number)
         folder.mkdir()
@@ -104,7 +104,7 @@ def test_killed_at_ten_random_moments(tmp_path):
     writers = [subprocess.Popen([*command, str(tmp_path / str(n))], stdout=subprocess.PIPE) for n in range(10)]
     for number, writer in enumerate(writers):
         with writer:
-            assert writer.stdout.readline() == b"ready\n"
+            assert writer.stdout.readline() == b"written\n"
             time.sleep(0.05 * random.random())
             writer.kill()
         first = []
@@ -113,5 +113,4 @@ def test_killed_at_ten_random_moments(tmp_path):
             assert (pixels == pixels[0, 0, 0]).all()
             first.append(pixels[0, 0, 0])
         assert 0 <= first[0] - first[1] <= 1
-        most = max(most, first[0])
-    assert most > 0  # some had begun
+        assert first[0] >= 1

@@ -129,6 +129,7 @@ def exported(path):
     return told, [binary[view.get("byteOffset", 0) :][: view["byteLength"]] for view in views]
 
 
+@pytest.mark.usefixtures("fitted")
 def test_gltf_exports_carry_the_occlusion(tmp_path):
     """Exported and read back: the mean of the occlusion texture's red, which glTF takes, is that of F0; and the second
     UV map that the bake used is named."""
@@ -156,6 +157,7 @@ def gltf_nodes(tree):
     return [node for node in groups if node.node_tree.name == "glTF Material Output"]
 
 
+@pytest.mark.usefixtures("fitted")
 def test_gltf_nodes_come_and_go():
     """A later bake keeps one set of them, one without takes them out, and Clear puts the material back."""
     floor = corner()
@@ -174,6 +176,7 @@ def test_gltf_nodes_come_and_go():
     assert not bpy.data.images
 
 
+@pytest.mark.usefixtures("fitted")
 def test_an_occlusion_of_the_artists_own_stays():
     floor = corner()
     tree = colour(floor, (0.5, 0.5, 0.5, 1))
@@ -187,6 +190,7 @@ def test_an_occlusion_of_the_artists_own_stays():
     assert output.inputs["Occlusion"].links[0].from_node == value
 
 
+@pytest.mark.usefixtures("fitted")
 def test_materials_that_are_shared_are_copied_for_the_map():
     one, two = plate("One"), plate("Two", location=(5, 0, 0))
     colour(one, (0.5, 0.5, 0.5, 1))
