@@ -7,7 +7,6 @@ from collections.abc import Generator
 
 import bpy
 
-from .bake_job import bake
 from .forecast import remember
 from .modal import LongOperator
 from .poll import object_mode_with
@@ -35,6 +34,8 @@ class MULTIBOUNCE_AO_OT_bake(LongOperator, bpy.types.Operator):
         return object_mode_with(cls, context, selected_meshes(context), nothing)
 
     def work(self, context: bpy.types.Context) -> Generator[Progress, None, list[ObjectReport]]:
+        from .bake_job import bake  # here, with all of core: enabling the extension stays instant
+
         settings = BakeSettings.of(context.scene)
         one_target = settings.use_selected_to_active and not settings.use_match_names
         if one_target and context.active_object not in selected_meshes(context):

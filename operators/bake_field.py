@@ -4,14 +4,17 @@
 from __future__ import annotations
 
 from collections.abc import Generator
+from typing import TYPE_CHECKING
 
 import bpy
 
-from .field_job import FieldReport, FieldSettings, bake_object_field
 from .modal import LongOperator
 from .poll import object_mode_with
 from .progress import Progress
 from .report import count_text
+
+if TYPE_CHECKING:
+    from .field_job import FieldReport
 
 
 class MULTIBOUNCE_AO_OT_bake_field(LongOperator, bpy.types.Operator):
@@ -28,6 +31,8 @@ class MULTIBOUNCE_AO_OT_bake_field(LongOperator, bpy.types.Operator):
         return object_mode_with(cls, context, [source] if source is not None else [], nothing)
 
     def work(self, context: bpy.types.Context) -> Generator[Progress, None, FieldReport]:
+        from .field_job import FieldSettings, bake_object_field  # here: enabling the extension stays instant
+
         return bake_object_field(context, field_source(context), FieldSettings.of(context.scene))
 
     def tell(self, report: FieldReport) -> set[str]:

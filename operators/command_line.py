@@ -8,7 +8,6 @@ import sys
 
 import bpy
 
-from . import command_bake, command_field, command_fit, command_info, command_world
 from .command_files import UsageError
 from .command_scene import DONE, WRONG_USAGE
 
@@ -27,6 +26,9 @@ def run(arguments: list[str]) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
+    # Here, with all that commands do: enabling the extension stays instant.
+    from . import command_bake, command_field, command_fit, command_info, command_world
+
     parser = argparse.ArgumentParser(
         prog="blender --command multibounce_ao",
         description="Ambient occlusion, coloured as light is after many bounces.",

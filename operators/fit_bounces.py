@@ -4,16 +4,18 @@
 from __future__ import annotations
 
 from collections.abc import Generator
+from typing import TYPE_CHECKING
 
 import bpy
 
 from ..shader_nodes.multibounce_fit import STORED_FIT, show_fit
-from .fit_job import FitReport, fit_bounces
-from .fit_sources import FitSettings
 from .modal import LongOperator
 from .poll import object_mode_with
 from .progress import Progress
 from .report import count_text
+
+if TYPE_CHECKING:
+    from .fit_job import FitReport
 
 
 class MULTIBOUNCE_AO_OT_fit_bounces(LongOperator, bpy.types.Operator):
@@ -30,6 +32,9 @@ class MULTIBOUNCE_AO_OT_fit_bounces(LongOperator, bpy.types.Operator):
         return object_mode_with(cls, context, [source] if source is not None else [], nothing)
 
     def work(self, context: bpy.types.Context) -> Generator[Progress, None, FitReport]:
+        from .fit_job import fit_bounces  # here: enabling the extension stays instant
+        from .fit_sources import FitSettings
+
         settings = FitSettings.of(context.scene)
         return fit_bounces(context, fit_source(context), settings, selected=context.selected_objects)
 

@@ -12,7 +12,6 @@ import bpy
 
 from .progress import duration_text
 from .report import ObjectReport, count_text
-from .tracer import light_rays
 from .uv_checks import uv_check
 
 # More of them would push the settings out of sight.
@@ -59,6 +58,8 @@ def forecast(objects: list[bpy.types.Object], settings: bpy.types.PropertyGroup)
 
 def work_of(points: int, samples: int, bounces: str) -> int:
     """What the time of one object's bake is in proportion to: its rays, and those that find its light."""
+    from .tracer import light_rays  # here, with all of core: enabling the extension stays instant
+
     rays = points * samples
     return rays + (light_rays(rays) if points and bounces != "FITTED" else 0)
 

@@ -42,7 +42,10 @@ class Running:
         self._workspaces: set[str] = set()
 
     def step(self, context: bpy.types.Context) -> None:
-        """Go on for a moment. Raises StopIteration with the result, BakeError, and whatever else the work raises."""
+        """Go on for a moment. Raises StopIteration with the result, BakeError, and whatever else the work raises;
+        ReferenceError where its scene or view layer was removed."""
+        if self._view_layer not in list(self._scene.view_layers):  # which raises the same where the scene is gone
+            raise ReferenceError
         until = time.perf_counter() + STEP
         self.waits = self.progress.ready and context.mode != "OBJECT"
         # The work's own scene, whichever the window shows by now.
@@ -157,6 +160,9 @@ class LongOperator:
             return self.tell(finished.value)
         except BakeError as error:
             self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        except ReferenceError:  # of objects the work itself tells
+            self.report({"ERROR"}, f"{self.bl_label} has lost its scene, and changed nothing")
             return {"CANCELLED"}
         finally:
             if not going_on:

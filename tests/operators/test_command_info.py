@@ -6,13 +6,10 @@ import json
 import bpy
 import pytest
 
-from .bakes import bake, operators
+from .bakes import bake
+from .commands import run
 from .meshes import box, plate
 from .props import bake_field
-
-
-def run(*arguments):
-    return operators("command_line").run([str(argument) for argument in arguments])
 
 
 @pytest.fixture

@@ -15,6 +15,7 @@ import pytest
 from enable_extension import PACKAGE
 
 from .bakes import attribute, operators
+from .commands import run
 from .meshes import box, plate
 
 # More of them by hand: KILLS=10 make test ARGS=tests/operators/test_command_night.py
@@ -23,10 +24,6 @@ OBJECTS = 12
 SETTINGS = ["--set", "samples=64", "--set", "bounces=FITTED"]
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no kill -9 and no limit of file sizes")
-
-
-def run(*arguments):
-    return operators("command_line").run([str(argument) for argument in arguments])
 
 
 @pytest.fixture

@@ -36,14 +36,18 @@ def same(one, other):
 
 
 def test_enabling_imports_no_heavy_package(run_in_fresh_blender):
-    run_in_fresh_blender("""
+    output = run_in_fresh_blender("""
 import sys
+import time
 import enable_extension
+began = time.perf_counter()
 enable_extension.enable_extension()
+print(f"enabled in {1000 * (time.perf_counter() - began):.0f} ms, with what Python compiles where it keeps no cache")
 loaded = {"embreex", "scipy", "OpenEXR", "Imath"} & set(sys.modules)
 assert enable_extension.PACKAGE in sys.modules
 assert not loaded, loaded
 """)
+    print(*re.findall("enabled in .*", output))
 
 
 def test_unregistering_leaves_nothing_behind(run_in_fresh_blender):

@@ -23,7 +23,7 @@ from artist import running  # noqa: E402
 from measures import MEASURES  # noqa: E402
 from scenes import SCENES  # noqa: E402
 
-POLL, MOST_SECONDS = 0.02, 90.0
+POLL, MOST_SECONDS = 0.02, 60.0
 
 
 def play() -> Generator[float | Callable[[], bool], None, None]:

@@ -236,6 +236,27 @@ def other_long_operators(folder):
     return {"states": states, "fitted": "multibounce_ao_fit" in window().scene}
 
 
+def show_another_scene_while_baking(folder):
+    """A bake goes on in the scene that it was begun in, and ends with it."""
+    (monkey,) = monkeys()
+    change_settings(target="VERTEX", samples=256)
+    first, other = window().scene, bpy.data.scenes.new("Other")
+    start()
+    yield at_work
+    window().scene = other
+    yield idle
+    baked = MARK in monkey
+    window().scene = first
+    change_settings(**FOR_MINUTES)
+    yield 0.1
+    start()
+    yield at_work
+    window().scene = other
+    bpy.data.scenes.remove(first)
+    yield idle
+    return {"baked": baked}
+
+
 def open_a_file_while_baking(folder):
     monkeys()
     change_settings(**FOR_MINUTES)
@@ -263,6 +284,7 @@ SCENES = [
     edit_while_baking,
     close_the_window,
     other_long_operators,
+    show_another_scene_while_baking,
     open_a_file_while_baking,
     quit_while_baking,
 ]

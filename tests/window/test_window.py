@@ -95,6 +95,10 @@ def test_other_long_operators(scene):
     assert scene == {"states": [["RUNNING_MODAL"]] * 2, "fitted": False}
 
 
+def test_show_another_scene_while_baking(scene):
+    assert scene["baked"]
+
+
 def test_open_a_file_while_baking(scene):
     assert scene == {"running": False, "objects": 0}
 
