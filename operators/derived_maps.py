@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Maps that other programs show as they are, made from the channels of a bake.
 
-    AO          grey: F0, which is k_A
-    Colored AO  E/E0 in red, green and blue, with the base colour that the material has now: it multiplies that colour
+AO          grey: F0, which is k_A
+Colored AO  E/E0 in red, green and blue, with the base colour that the material has now: it multiplies that colour
 """
 
 from __future__ import annotations
@@ -53,9 +53,7 @@ def write_map(
     if settings.map_format == "OPEN_EXR":
         opaque = np.ones((*pixels.shape[:2], 4), np.float32)
         opaque[..., :3] = pixels
-        write_exr(
-            path, opaque, half=settings.color_depth == "16", codec=settings.exr_codec, metadata=metadata
-        )
+        write_exr(path, opaque, half=settings.color_depth == "16", codec=settings.exr_codec, metadata=metadata)
         return
     if colour_space(name, settings) == "sRGB":
         pixels = _to_srgb(pixels)
