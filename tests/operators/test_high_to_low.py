@@ -35,7 +35,7 @@ def onto(low, *high, **settings):
 
 @pytest.mark.usefixtures("fitted")
 def test_a_displaced_plane_onto_a_flat_one():
-    """Each vertex of the high mesh in the centre of a texel. The low plate, half of it hidden, blocks nothing."""
+    """Each vertex of the high mesh in the centre of a texel. The low plate blocks nothing."""
     high = hills()
     bake(high, samples=1024)
     truth = f0(high).reshape(STEPS + 1, STEPS + 1)
