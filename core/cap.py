@@ -3,7 +3,7 @@
 
 A cap about the axis Upsilon has the solid angle Omega = 2pi (1 - c), where c is the cosine of its half angle, and for a
 surface of normal n, with k = n . Upsilon, blocks A = (1/pi) * integral over the cap of max(0, n . w) dw (Kontkanen and
-Laine 2005, "Ambient Occlusion Fields", eq. 2). No table is needed: A has a closed form.
+Laine 2005, "Ambient Occlusion Fields", eq. 2). No table is needed: A has a closed form. So has what two caps share.
 """
 
 from __future__ import annotations
@@ -13,6 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 
 # Least square of D below. What it adds to D cancels in A, to the third order; without it shaders would divide 0 by 0.
 LEAST_SQUARE = 1e-9
+# Keeps caps about one axis, and caps of no width, from dividing by 0: what is divided is then far above 1 or below -1,
+# or both are one cap.
+LEAST_SINE = 1e-4
 
 
 def occlusion(solid_angle: ArrayLike, cosine: ArrayLike) -> NDArray[np.float64]:
@@ -54,3 +57,23 @@ def covered_cap(solid_angle: ArrayLike, moment: ArrayLike) -> tuple[NDArray[np.f
     solid_angle = np.asarray(solid_angle, np.float64)
     larger = np.maximum(4.0 * np.pi * (1.0 - np.pi * np.asarray(moment) / solid_angle), solid_angle)
     return solid_angle / larger, larger
+
+
+def cap_overlap(first: ArrayLike, second: ArrayLike, between: ArrayLike) -> NDArray[np.float64]:
+    """Solid angle that two caps share, over 2pi: in [0, 2]. The arguments are cosines in [-1, 1]: of their half angles
+    and of the angle between their axes.
+
+    Tovchigrechko and Vakser 2001, "How common is the funnel-like energy landscape in protein-protein interactions?",
+    appendix. Its arc cosines, clamped, also hold for caps that lie within each other or apart, or cover the sphere.
+    """
+    first, second, between = (np.asarray(each, np.float64) for each in (first, second, between))
+    sines = [np.maximum(np.sqrt(np.maximum(1.0 - each * each, 0.0)), LEAST_SINE) for each in (first, second, between)]
+
+    def angle(opposite: NDArray, one: NDArray, other: NDArray, one_sine: NDArray, other_sine: NDArray) -> NDArray:
+        """Of a spherical triangle, from the cosines of its sides."""
+        return np.arccos(np.clip((opposite - one * other) / (one_sine * other_sine), -1.0, 1.0))
+
+    apart = angle(between, first, second, sines[0], sines[1])
+    in_first = angle(second, between, first, sines[2], sines[0])
+    in_second = angle(first, between, second, sines[2], sines[1])
+    return np.maximum(np.pi - apart - first * in_first - second * in_second, 0.0) / np.pi

@@ -11,9 +11,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-# Keeps cones about one axis, and cones of no width, from dividing by 0: what is divided is then far above 1 or below
-# -1, or both are one cone.
-LEAST_SINE = 1e-4
+from .cap import cap_overlap
+
 # A mirror's cone has no area to share: one of 2.6 degrees stands for it, which float32 still resolves.
 MOST_LOBE = 0.999
 
@@ -21,26 +20,6 @@ MOST_LOBE = 0.999
 def lobe_cosine(roughness: ArrayLike) -> NDArray[np.float64]:
     """Cosine of the half-angle of the cone that stands for the GGX lobe of ``roughness`` in [0, 1], as in Blender."""
     return np.minimum(10.0 ** -(np.clip(np.asarray(roughness, np.float64), 0.0, 1.0) ** 4), MOST_LOBE)
-
-
-def cap_overlap(first: ArrayLike, second: ArrayLike, between: ArrayLike) -> NDArray[np.float64]:
-    """Solid angle that two caps share, over 2pi. The arguments are cosines: of their half-angles, which are at most 90
-    degrees, and of the angle between their axes.
-
-    Tovchigrechko and Vakser 2001, "How common is the funnel-like energy landscape in protein-protein interactions?",
-    appendix. Its arc cosines, clamped, also hold for caps that lie within each other or apart.
-    """
-    first, second, between = (np.asarray(each, np.float64) for each in (first, second, between))
-    sines = [np.maximum(np.sqrt(np.maximum(1.0 - each * each, 0.0)), LEAST_SINE) for each in (first, second, between)]
-
-    def angle(opposite: NDArray, one: NDArray, other: NDArray, one_sine: NDArray, other_sine: NDArray) -> NDArray:
-        """Of a spherical triangle, from the cosines of its sides."""
-        return np.arccos(np.clip((opposite - one * other) / (one_sine * other_sine), -1.0, 1.0))
-
-    apart = angle(between, first, second, sines[0], sines[1])
-    in_first = angle(second, between, first, sines[2], sines[0])
-    in_second = angle(first, between, second, sines[2], sines[1])
-    return np.maximum(np.pi - apart - first * in_first - second * in_second, 0.0) / np.pi
 
 
 def specular_occlusion(

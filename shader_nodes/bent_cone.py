@@ -19,7 +19,8 @@ from math import pi
 import bpy
 
 from ..core.bent_cone import LEAST_F0, LEAST_OPEN
-from ..core.specular_occlusion import LEAST_SINE, MOST_LOBE
+from ..core.cap import LEAST_SINE
+from ..core.specular_occlusion import MOST_LOBE
 from . import cone_light
 from .expression import Expression, Graph, Operand, clamp, maximum, minimum
 from .functions import atan2, dot, length, less_than, normalised, sqrt

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The closed form of a cap's occlusion against quadrature, and what the second moment makes of caps."""
+"""What a cap blocks against quadrature, what two share against counting, and what the second moment makes of caps."""
 
 from itertools import pairwise
 
 import numpy as np
 
-from core.cap import cap_of_moment, covered_cap, moment_of_cap, occlusion
+from core.cap import cap_of_moment, cap_overlap, covered_cap, moment_of_cap, occlusion
+
+from .directions import sphere_directions
 
 
 def by_quadrature(solid_angle, cosine, nodes=64):
@@ -66,3 +68,23 @@ def test_a_cap_that_is_blocked_in_part_keeps_both_moments():
     # More moment than any set of directions has: the plain cap.
     t, found = covered_cap(1.0, 0.9)
     assert t == 1.0 and found == 1.0
+
+
+def test_overlap_of_caps():
+    """Caps that cross, touch, lie within each other and apart, and that cover the sphere together."""
+    rng = np.random.default_rng(0)
+    directions, worst = sphere_directions(), 0.0
+    for _ in range(90):
+        first, second, between = np.cos(rng.uniform((0.1, 0.1, 0), np.pi))
+        axis = np.array((np.sqrt(1 - between**2), 0, between))
+        count = ((directions[:, 2] > first) & (directions @ axis > second)).mean() * 2
+        worst = max(worst, abs(cap_overlap(first, second, between) - count))
+    print(f"overlap of two caps: within {worst:.1e}")
+    assert worst < 1e-3
+
+
+def test_overlap_of_caps_about_one_axis():
+    np.testing.assert_allclose(cap_overlap((0.5, 0.9, 0.7), (0.8, 0.2, 0.7), 1.0), (0.2, 0.1, 0.3), atol=1e-9)
+    np.testing.assert_allclose(cap_overlap((0.5, 0.9, 0.0), (0.8, 0.2, 0.0), -1.0), 0.0, atol=1e-9)
+    # All of the sphere twice, and what a cap leaves and the cap.
+    np.testing.assert_allclose(cap_overlap((-1.0, -0.4), (-1.0, 0.4), (0.3, -1.0)), (2.0, 0.0), atol=1e-9)

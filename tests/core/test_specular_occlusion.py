@@ -1,34 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Overlap of cones against counting, and what it says of reflections."""
+"""What the overlap of two cones says of reflections."""
 
 import numpy as np
 
-from core.specular_occlusion import cap_overlap, lobe_cosine, specular_occlusion
+from core.specular_occlusion import lobe_cosine, specular_occlusion
 
-
-def sphere_directions(count=400_000):
-    z = 1 - 2 * (np.arange(count) + 0.5) / count
-    azimuth = 2 * np.pi * np.mod(np.arange(count) * (5**0.5 - 1) / 2, 1)
-    across = np.sqrt(1 - z * z)
-    return np.column_stack((across * np.cos(azimuth), across * np.sin(azimuth), z))
-
-
-def test_overlap_of_caps():
-    """Caps that cross, touch, lie within each other and apart."""
-    rng = np.random.default_rng(0)
-    directions, worst = sphere_directions(), 0.0
-    for _ in range(60):
-        first, second, between = np.cos(rng.uniform((0.1, 0.1, 0), (np.pi / 2, np.pi / 2, np.pi)))
-        axis = np.array((np.sqrt(1 - between**2), 0, between))
-        count = ((directions[:, 2] > first) & (directions @ axis > second)).mean() * 2
-        worst = max(worst, abs(cap_overlap(first, second, between) - count))
-    print(f"overlap of two caps: within {worst:.1e}")
-    assert worst < 1e-3
-
-
-def test_overlap_of_caps_about_one_axis():
-    np.testing.assert_allclose(cap_overlap((0.5, 0.9, 0.7), (0.8, 0.2, 0.7), 1.0), (0.2, 0.1, 0.3), atol=1e-9)
-    np.testing.assert_allclose(cap_overlap((0.5, 0.9, 0.0), (0.8, 0.2, 0.0), -1.0), 0.0, atol=1e-9)
+from .directions import sphere_directions
 
 
 def reflect(axis, alpha, tilt, roughness):
