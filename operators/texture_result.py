@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..core.exr import write_exr
 from ..core.whole_files import whole_files
 from .derived_maps import colour_space, derive, extension, write_map
-from .images import file_metadata, file_path, image_channels, map_names, store_file, store_image
+from .images import UDIM, file_metadata, file_path, image_channels, map_names, store_file, store_image
 from .settings import BakeSettings
 
 
@@ -70,11 +70,11 @@ class TextureResult:
         ]
 
     def _path(self, name: str, folder: Path) -> Path:
-        path = file_path(self.obj, name, str(folder), extension(self.settings) if self._is_map(name) else None)
-        return path.with_name(f"{path.stem}.<UDIM>{path.suffix}") if self.settings.use_udim else path
+        ending = extension(self.settings) if self._is_map(name) else None
+        return file_path(self.obj, name, str(folder), ending, self.settings.use_udim)
 
     def _of_tile(self, path: Path, number: int) -> Path:
-        return path.with_name(path.name.replace("<UDIM>", str(number)))
+        return path.with_name(path.name.replace(UDIM, str(number)))
 
     def _write(self, path: Path, name: str, tile: Tile) -> None:
         metadata = file_metadata(self.obj, name, self.uv_map, self.settings)

@@ -134,3 +134,26 @@ def test_what_lies_outside_of_all_tiles_is_told():
     assert {line for line in differences(before, snapshot()) if "multibounce" not in line} == set()
     (report,) = reports(floor, **(MADE | {"use_udim": False}))
     assert "or bake UDIM tiles" in report.error
+
+
+def test_files_of_an_object_that_was_renamed_stay_its_own(tmp_path):
+    made = MADE | {"output_directory": str(tmp_path), "use_ao_map": True, "map_format": "OPEN_EXR", "samples": 1}
+    for tiles in (True, False):
+        first = plate("Floor", steps=2)
+        bake(first, **(made | {"use_udim": tiles}))
+        first.name = f"Renamed {tiles}"
+        before = {file: file.read_bytes() for file in tmp_path.iterdir()}
+        second = plate("Floor", steps=2, location=(5, 0, 0))
+        bake(second, **(made | {"use_udim": tiles}))
+        assert {file: file.read_bytes() for file in before} == before
+        assert len(list(tmp_path.iterdir())) == len(before) + 3
+        second.name = f"Second {tiles}"
+
+
+def test_a_bake_to_tiles_in_files_is_known_again_while_they_are_all_there(tmp_path):
+    floor = floor_in_two_tiles()
+    bake(floor, **MADE, output_directory=str(tmp_path))
+    known = operators("bake_record").baked_fingerprint
+    assert known(floor)
+    (tmp_path / "Floor_bent_cone.1011.exr").unlink()
+    assert not known(floor)
