@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -77,12 +77,14 @@ class TextureResult:
         return path.with_name(path.name.replace(UDIM, str(number)))
 
     def _write(self, path: Path, name: str, tile: Tile) -> None:
-        metadata = file_metadata(self.obj, name, self.uv_map, self.settings)
+        # What is packed has full floats.
+        settings = self.settings if self.folder else replace(self.settings, color_depth="32")
+        metadata = file_metadata(self.obj, name, self.uv_map, settings)
         if self._is_map(name):
-            write_map(path, name, derive(name, tile.channels, tile.albedo), self.settings, metadata)
+            write_map(path, name, derive(name, tile.channels, tile.albedo), settings, metadata)
             return
-        half = self.settings.color_depth == "16"
-        write_exr(path, tile.channels[name], half=half, codec=self.settings.exr_codec, metadata=metadata)
+        half = settings.color_depth == "16"
+        write_exr(path, tile.channels[name], half=half, codec=settings.exr_codec, metadata=metadata)
 
     def _colour_space(self, name: str) -> str:
         return colour_space(name, self.settings) if self._is_map(name) else "Non-Color"
