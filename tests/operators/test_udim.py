@@ -122,6 +122,14 @@ def test_which_tiles_are_touched():
     assert touched(np.stack((square - 5, square + 50, square * np.nan))) == []
 
 
+def test_which_triangles_are_in_a_tile():
+    square = np.array([(0, 0), (1, 0), (0, 1)], float)
+    triangles = np.stack([np.add(square, by) for by in ((0, 0), (1, 0), (2, 1), (-0.1, -0.1))])
+    in_tile = operators("uv_layout").in_tile
+    assert in_tile(triangles, 1001).tolist() == [True, False, False, True]
+    assert in_tile(triangles, 1013).tolist() == [False, False, True, False]
+
+
 def test_what_lies_outside_of_all_tiles_is_told():
     floor = plate("Floor", steps=2)
     move(floor, (9.5, 0))
