@@ -195,10 +195,9 @@ def _changed(manager: bpy.types.WindowManager, context: bpy.types.Context) -> No
 
 @bpy.app.handlers.persistent
 def _turn_off(*_: object) -> None:
-    global _overlay
-    if _overlay is not None:
-        _overlay.remove()
-        _overlay = None
+    # Where a file is opened without its windows, the window manager and this choice stay.
+    for manager in bpy.data.window_managers:
+        manager.multibounce_ao_view = "OFF"
 
 
 def register() -> None:

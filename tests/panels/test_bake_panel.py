@@ -144,3 +144,11 @@ def test_panels_stand_in_the_sidebar_of_the_viewport(panels):
         assert panel is top[0] or panel.bl_parent_id in before
         before.add(name)
         assert getattr(bpy.types, panel.__name__).is_registered
+
+
+def test_the_view_is_off_in_another_file(panels, tmp_path):
+    manager = bpy.context.window_manager
+    manager.multibounce_ao_view = "AO"
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "other.blend"), copy=True)
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "other.blend"), load_ui=False)
+    assert bpy.context.window_manager.multibounce_ao_view == "OFF"
