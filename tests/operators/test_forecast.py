@@ -115,3 +115,14 @@ def test_selected_to_active_counts_what_is_baked_to():
     change_settings(use_match_names=True)
     told = forecast(high, low)
     assert (told.objects, told.points, told.warnings) == (1, 25, [])
+
+
+def test_texels_of_all_tiles_count():
+    obj = plate()
+    add_uv_map(obj.data, (positions(obj)[:, :2] + 1) * (1.5, 0.5), "Wide")
+    change_settings(target="TEXTURE", resolution=64, samples=1, uv_map="Wide")
+    forecast(obj)
+    look_at_layouts()
+    assert forecast(obj).points == 64 * 64
+    change_settings(use_udim=True)
+    assert forecast(obj).points == 3 * 64 * 64
