@@ -25,7 +25,9 @@ from .operators.project_world import (
 )
 from .panels.bake_panel import (
     MULTIBOUNCE_AO_PT_bake,
+    MULTIBOUNCE_AO_PT_maps,
     MULTIBOUNCE_AO_PT_occlusion,
+    MULTIBOUNCE_AO_PT_output,
     MULTIBOUNCE_AO_PT_presets,
     MULTIBOUNCE_AO_PT_result,
     MULTIBOUNCE_AO_PT_selected_to_active,
@@ -57,6 +59,8 @@ CLASSES = (
     MULTIBOUNCE_AO_PT_occlusion,
     MULTIBOUNCE_AO_PT_selected_to_active,
     MULTIBOUNCE_AO_PT_texture,
+    MULTIBOUNCE_AO_PT_output,
+    MULTIBOUNCE_AO_PT_maps,
     MULTIBOUNCE_AO_PT_result,
     MULTIBOUNCE_AO_PT_fit,
     MULTIBOUNCE_AO_PT_world,

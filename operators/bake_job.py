@@ -192,7 +192,7 @@ def _bake_object(
     work = bake_with(tracer, report, *more)
     if projection is not None:
         source = source, projection.surface, projection.cage
-    made_from = extension_version(), settings, folder, scenes.key, tracer.albedo, matrix, source, shown
+    made_from = extension_version(), settings.as_property(), folder, scenes.key, tracer.albedo, matrix, source, shown
     return (yield from in_thread(_unless_known(known, made_from, work)))
 
 

@@ -7,7 +7,7 @@ import os
 
 import bpy
 
-from .images import recorded_images
+from .images import image_files, recorded_images
 from .material_nodes import GROUPS, BakedSource
 from .names import AO_MAP, PROPERTY
 from .object_materials import plug_object, plug_object_occlusion
@@ -70,7 +70,7 @@ def baked_fingerprint(obj: bpy.types.Object) -> bytes:
     record = obj.get(PROPERTY, {})
     if not record.get("fingerprint") or baked_source(obj) is None:
         return b""
-    files = [bpy.path.abspath(image.filepath) for image in recorded_images(obj).values() if not image.packed_file]
+    files = [file for image in recorded_images(obj).values() if not image.packed_file for file in image_files(image)]
     return bytes.fromhex(record["fingerprint"]) if all(map(os.path.isfile, files)) else b""
 
 

@@ -4,14 +4,16 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 
 import bpy
 
+from .high_to_low import pairs
 from .progress import duration_text
-from .report import ObjectReport, count_text
+from .report import BakeError, ObjectReport, count_text
 from .uv_checks import uv_check
 
 # More of them would push the settings out of sight.
@@ -37,13 +39,22 @@ class Forecast:
         return ", ".join(parts)
 
 
-def forecast(objects: list[bpy.types.Object], settings: bpy.types.PropertyGroup) -> Forecast:
-    """Of a bake of mesh ``objects`` with ``settings``. Texels of UV maps that were not looked at yet count as if all
-    were covered."""
+def forecast(
+    objects: list[bpy.types.Object],
+    settings: bpy.types.PropertyGroup,
+    selected: Collection[bpy.types.Object] = (),
+) -> Forecast:
+    """Of a bake of mesh ``objects`` with ``settings``, and what else is ``selected``, as :func:`.bake_job.bake` takes
+    them. Texels of UV maps that were not looked at yet count as if all were covered."""
+    try:
+        sources = pairs(objects, selected, settings)
+    except BakeError as error:
+        return Forecast(warnings=[str(error)])
+    objects = objects if sources is None else list(sources)
     told, work, seen = Forecast(len(objects)), 0, set()
     for obj in objects:
         points, warnings = (_texels if settings.target == "TEXTURE" else _elements)(obj, settings, seen)
-        if settings.occluders == "VISIBLE" and obj.hide_render:
+        if settings.occluders == "VISIBLE" and obj.hide_render and sources is None:
             warnings.append("is disabled in renders: it blocks no light on others")
         told.points += points
         rays = points * settings.samples
@@ -106,5 +117,6 @@ def _texels(obj: bpy.types.Object, settings: bpy.types.PropertyGroup, seen: set)
     if uv_map not in layers:
         return 0, [f"has no UV map '{uv_map}'" if settings.uv_map else "has no UV map: unwrap it first"]
     found = uv_check(obj.data, uv_map)
-    texels = int((1.0 if found is None else found.coverage) * settings.resolution**2)
+    coverage = 1.0 if found is None else found.tiles if settings.use_udim else found.coverage
+    texels = int(coverage * settings.resolution**2)
     return texels, [f"overlaps itself in UV map '{uv_map}'"] if found is not None and found.overlap else []

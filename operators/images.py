@@ -38,6 +38,9 @@ FILE_SUFFIX = {
     COLORED_AO_MAP: "_colored_ao.png",
 }
 
+# The number of a tile in a file's name, as Blender writes it.
+UDIM = "<UDIM>"
+
 
 def is_nowhere(setting: str) -> bool:
     """Whether the folder ``output_directory`` is relative to a .blend that is not saved yet."""
@@ -58,7 +61,7 @@ def output_folder(setting: str) -> str:
         with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as error:
-        reason = error.strerror.lower()
+        reason = (error.strerror or str(error)).lower()
         raise BakeError(
             f"Output '{folder}' cannot be written ({reason}): choose another folder, or none to pack"
         ) from None
@@ -86,19 +89,29 @@ def image_channels(settings: BakeSettings) -> tuple[str, ...]:
     return CHANNELS[settings.bounces] + bent_normal + map_names(settings)
 
 
-def file_path(obj: bpy.types.Object, channel: str, folder: str, extension: str | None = None) -> Path:
+def file_path(
+    obj: bpy.types.Object, channel: str, folder: str, extension: str | None = None, has_tiles: bool = False
+) -> Path:
     """File of ``channel`` inside ``folder``, whatever characters the object's name has, and no other object's; with the
-    ``extension`` that is usual for it, or another."""
+    ``extension`` that is usual for it, or another, and the place of a tile's number where it ``has_tiles``."""
+    suffix = Path(FILE_SUFFIX[channel])
+    end = f"{suffix.stem}{f'.{UDIM}' if has_tiles else ''}{extension or suffix.suffix}"
     others = [other for other in bpy.data.objects if other.type == "MESH" and other != obj]
     # Names that differ only in what a file name cannot show, and files named after an object that was renamed since.
     stems = {bpy.path.clean_name(other.name).lower() for other in others}
     shown = {_file_of(image) for other in others for image in recorded_images(other).values()}
     stem = clean_name = bpy.path.clean_name(obj.name)
     digest = zlib.crc32(obj.name.encode())
-    while stem.lower() in stems or _comparable(path := Path(folder) / (stem + FILE_SUFFIX[channel])) in shown:
+    while stem.lower() in stems or _comparable(path := Path(folder) / (stem + end)) in shown:
         stem = f"{clean_name}_{digest:08x}"
         digest = zlib.crc32(stem.encode())
-    return path if extension is None else path.with_suffix(extension)
+    return path
+
+
+def image_files(image: bpy.types.Image) -> list[str]:
+    """The files that ``image`` shows, one a tile where it has tiles."""
+    path = bpy.path.abspath(image.filepath)
+    return [path.replace(UDIM, str(tile.number)) for tile in image.tiles] if image.source == "TILED" else [path]
 
 
 def file_metadata(obj: bpy.types.Object, channel: str, uv_map: str, settings: BakeSettings) -> dict[str, str]:
@@ -166,7 +179,7 @@ def store_file(
     _keep(obj, channel, image)
     if is_packed:
         return [image.name]
-    return [str(path).replace("<UDIM>", str(number)) for number in tiles] if tiles else [str(path)]
+    return [str(path).replace(UDIM, str(number)) for number in tiles] if tiles else [str(path)]
 
 
 def _keep(obj: bpy.types.Object, channel: str, image: bpy.types.Image) -> None:

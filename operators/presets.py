@@ -10,7 +10,7 @@ from .settings import BakeSettings
 
 FOLDER = "multibounce_ao"
 # What belongs to one scene alone, not to a way of baking.
-_OF_A_SCENE = {"uv_map", "output_directory"}
+_OF_A_SCENE = {"uv_map", "output_directory", "cage_object"}
 
 
 class MULTIBOUNCE_AO_OT_preset_add(AddPresetBase, bpy.types.Operator):

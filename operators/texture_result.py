@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..core.exr import write_exr
 from ..core.whole_files import whole_files
 from .derived_maps import colour_space, derive, extension, write_map
-from .images import file_metadata, file_path, image_channels, map_names, store_file, store_image
+from .images import UDIM, file_metadata, file_path, image_channels, map_names, store_file, store_image
 from .settings import BakeSettings
 
 
@@ -70,19 +70,21 @@ class TextureResult:
         ]
 
     def _path(self, name: str, folder: Path) -> Path:
-        path = file_path(self.obj, name, str(folder), extension(self.settings) if self._is_map(name) else None)
-        return path.with_name(f"{path.stem}.<UDIM>{path.suffix}") if self.settings.use_udim else path
+        ending = extension(self.settings) if self._is_map(name) else None
+        return file_path(self.obj, name, str(folder), ending, self.settings.use_udim)
 
     def _of_tile(self, path: Path, number: int) -> Path:
-        return path.with_name(path.name.replace("<UDIM>", str(number)))
+        return path.with_name(path.name.replace(UDIM, str(number)))
 
     def _write(self, path: Path, name: str, tile: Tile) -> None:
-        metadata = file_metadata(self.obj, name, self.uv_map, self.settings)
+        # What is packed has full floats.
+        settings = self.settings if self.folder else replace(self.settings, color_depth="32")
+        metadata = file_metadata(self.obj, name, self.uv_map, settings)
         if self._is_map(name):
-            write_map(path, name, derive(name, tile.channels, tile.albedo), self.settings, metadata)
+            write_map(path, name, derive(name, tile.channels, tile.albedo), settings, metadata)
             return
-        half = self.settings.color_depth == "16"
-        write_exr(path, tile.channels[name], half=half, codec=self.settings.exr_codec, metadata=metadata)
+        half = settings.color_depth == "16"
+        write_exr(path, tile.channels[name], half=half, codec=settings.exr_codec, metadata=metadata)
 
     def _colour_space(self, name: str) -> str:
         return colour_space(name, self.settings) if self._is_map(name) else "Non-Color"

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..core.rasterise import rasterise
 from ..core.workers import calling, giving_way, in_thread
 from .mesh_reader import read, read_triangles
-from .uv_layout import expected_texels, overlaps
+from .uv_layout import expected_texels, overlaps, touched_tiles
 
 # Side of the image that overlaps are looked for in: small ones are found by the bake alone.
 SIZE = 512
@@ -23,9 +23,11 @@ TICK = 0.1
 
 @dataclass(frozen=True)
 class UVCheck:
-    """``coverage`` of the 0-1 tile in [0, 1], and whether faces ``overlap``."""
+    """``coverage`` of the 0-1 tile in [0, 1], and of all UDIM ``tiles`` together, in tiles; whether faces
+    ``overlap`` in the 0-1 tile."""
 
     coverage: float
+    tiles: float
     overlap: bool
 
 
@@ -49,8 +51,10 @@ def uv_check(mesh: bpy.types.Mesh, uv_map: str) -> UVCheck | None:
 def check_layout(triangle_uv: NDArray[np.float64]) -> UVCheck:
     """Of a layout (m, 3, 2)."""
     texels = rasterise(triangle_uv, SIZE, SIZE)
-    coverage = expected_texels(triangle_uv, SIZE) / SIZE**2
-    return UVCheck(coverage, overlaps(triangle_uv, len(texels.texel), SIZE))
+    coverage, tiles = (
+        expected_texels(triangle_uv, SIZE, count) / SIZE**2 for count in (1, len(touched_tiles(triangle_uv)))
+    )
+    return UVCheck(coverage, tiles, overlaps(triangle_uv, len(texels.texel), SIZE))
 
 
 def _go_on() -> float | None:

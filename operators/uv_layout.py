@@ -41,6 +41,12 @@ def touched_tiles(triangle_uv: NDArray[np.float64]) -> list[int]:
     return (1001 + u + 10 * v).tolist()
 
 
+def in_tile(triangle_uv: NDArray, number: int) -> NDArray[np.bool_]:
+    """Which of ``triangle_uv`` (m, 3, 2) have their middle in the UDIM tile of that ``number``: (m,)."""
+    corner = (number - 1001) % 10, (number - 1001) // 10
+    return (np.floor(triangle_uv.mean(axis=1)) == corner).all(axis=1)
+
+
 def check_layout(triangle_uv: NDArray[np.float64], uv_map: str, has_tiles: bool = False) -> list[str]:
     """Warnings about ``triangle_uv`` (m, 3, 2), which may lie in UDIM tiles. Raises BakeError where no texel could be
     baked."""

@@ -12,6 +12,7 @@ from gpu_extras.batch import batch_for_shader
 from .images import recorded_images
 from .mesh_reader import evaluated_mesh, read, read_corner_vertices, read_positions, read_triangles
 from .names import BENT_CONE, MULTIBOUNCE_AO, PROPERTY, RADIOSITY
+from .uv_layout import in_tile
 
 VIEWS = (
     ("OFF", "Off", "Show the viewport as it is"),
@@ -115,12 +116,17 @@ class _Overlay:
             if mesh is None or not mesh.polygons:
                 return None, None
             corners, vertex = read_triangles(mesh).ravel(), read_corner_vertices(mesh)
-            content = {"position": read_positions(mesh)[vertex[corners]]}
+            content = {}
             if record["target"] == "TEXTURE":
                 images = recorded_images(obj)
                 if not {first, BENT_CONE} <= images.keys() or record["uv_map"] not in mesh.uv_layers:
                     return None, None
-                content["uv"] = read(mesh.uv_layers[record["uv_map"]].uv, "vector", 2, np.float32)[corners]
+                uv = read(mesh.uv_layers[record["uv_map"]].uv, "vector", 2, np.float32)
+                if images[first].source == "TILED":
+                    # Blender gives the first tile alone to be drawn with: what lies in the others stays as it is.
+                    corners = corners.reshape(-1, 3)
+                    corners = corners[in_tile(uv[corners], images[first].tiles[0].number)].ravel()
+                content["uv"] = uv[corners]
                 textures = {
                     "ao_image": gpu.texture.from_image(images[first]),
                     "bent_image": gpu.texture.from_image(images[BENT_CONE]),
@@ -133,6 +139,7 @@ class _Overlay:
                         return None, None
                     values = read(attribute.data, "color", 4, np.float32)
                     content[name] = values[vertex[corners] if attribute.domain == "POINT" else corners]
+            content["position"] = read_positions(mesh)[vertex[corners]]
         return batch_for_shader(self._shader(textures is not None), "TRIS", content), textures
 
     def _shader(self, images: bool) -> gpu.types.GPUShader:
@@ -188,10 +195,9 @@ def _changed(manager: bpy.types.WindowManager, context: bpy.types.Context) -> No
 
 @bpy.app.handlers.persistent
 def _turn_off(*_: object) -> None:
-    global _overlay
-    if _overlay is not None:
-        _overlay.remove()
-        _overlay = None
+    # Where a file is opened without its windows, the window manager and this choice stay.
+    for manager in bpy.data.window_managers:
+        manager.multibounce_ao_view = "OFF"
 
 
 def register() -> None:

@@ -65,8 +65,9 @@ class MULTIBOUNCE_AO_PT_bake(SidebarPanel, bpy.types.Panel):
         meshes = selected_meshes(context)
         if not meshes or context.mode != "OBJECT":
             return
-        told = forecast(meshes, context.scene.multibounce_ao)
-        self._wrapped(context, told.text(), "NONE")
+        told = forecast(meshes, context.scene.multibounce_ao, context.selected_objects)
+        if told.objects:
+            self._wrapped(context, told.text(), "NONE")
         for warning in told.warnings[:MOST_WARNINGS]:
             self._wrapped(context, warning)
         if len(told.warnings) > MOST_WARNINGS:
@@ -136,8 +137,7 @@ class MULTIBOUNCE_AO_PT_texture(SidebarPanel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         settings = context.scene.multibounce_ao
-        whole = self._column(self.layout)
-        column = whole.column()
+        column = self._column(self.layout)
         column.active = settings.target == "TEXTURE"
         column.prop(settings, "resolution")
         column.prop(settings, "margin")
@@ -150,24 +150,45 @@ class MULTIBOUNCE_AO_PT_texture(SidebarPanel, bpy.types.Panel):
         else:
             column.prop(settings, "uv_map")
         column.prop(settings, "use_udim")
-        column.separator()
+
+
+class MULTIBOUNCE_AO_PT_output(SidebarPanel, bpy.types.Panel):
+    bl_label = "Output"
+    bl_parent_id = "MULTIBOUNCE_AO_PT_texture"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        settings = context.scene.multibounce_ao
+        column = self._column(self.layout)
+        # Bounce curves and AO fields go there too, whatever the target.
+        column.prop(settings, "output_directory", text="Folder")
+        files = column.column()
+        files.active = settings.target == "TEXTURE" and settings.output_directory != ""
+        files.prop(settings, "color_depth")
+        files.prop(settings, "exr_codec")
+
+
+class MULTIBOUNCE_AO_PT_maps(SidebarPanel, bpy.types.Panel):
+    bl_label = "Maps for Other Programs"
+    bl_parent_id = "MULTIBOUNCE_AO_PT_texture"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        settings = context.scene.multibounce_ao
+        column = self._column(self.layout)
+        column.active = settings.target == "TEXTURE"
         column.prop(settings, "use_ao_map")
         column.prop(settings, "use_colored_ao_map")
         column.prop(settings, "use_gltf_occlusion")
         map_format = column.row()
         map_format.active = settings.use_ao_map or settings.use_colored_ao_map or settings.use_gltf_occlusion
         map_format.prop(settings, "map_format")
+        column.separator()
         column.prop(settings, "use_bent_normal_map")
         chosen = column.column()
         chosen.active = settings.use_bent_normal_map
         chosen.prop(settings, "bent_normal_space")
         chosen.prop(settings, "bent_normal_y")
-        # Bounce curves go there too, whatever the target.
-        whole.prop(settings, "output_directory")
-        files = whole.column()
-        files.active = settings.target == "TEXTURE" and settings.output_directory != ""
-        files.prop(settings, "color_depth")
-        files.prop(settings, "exr_codec")
 
 
 class MULTIBOUNCE_AO_PT_result(SidebarPanel, bpy.types.Panel):

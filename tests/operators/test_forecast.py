@@ -100,3 +100,29 @@ def test_time_by_the_rate_of_earlier_bakes(no_rates):
 def test_a_bake_too_short_to_measure_teaches_nothing(no_rates):
     bake(plate(), samples=4)
     assert no_rates == {}
+
+
+def test_selected_to_active_counts_what_is_baked_to():
+    low, high = plate("Rock_low"), box("Rock_high", location=(5, 0, 0))
+    high.hide_render = True  # as those often are
+    change_settings(use_selected_to_active=True, samples=16)
+    told = forecast(low, high)
+    assert (told.text(), told.warnings) == ("1 object, 25 points, 400 rays", [])
+    assert forecast(low).objects == 0
+    assert forecast(low).warnings == [
+        "Selected to Active needs what to bake onto the active object 'Rock_low': select it too"
+    ]
+    change_settings(use_match_names=True)
+    told = forecast(high, low)
+    assert (told.objects, told.points, told.warnings) == (1, 25, [])
+
+
+def test_texels_of_all_tiles_count():
+    obj = plate()
+    add_uv_map(obj.data, (positions(obj)[:, :2] + 1) * (1.5, 0.5), "Wide")
+    change_settings(target="TEXTURE", resolution=64, samples=1, uv_map="Wide")
+    forecast(obj)
+    look_at_layouts()
+    assert forecast(obj).points == 64 * 64
+    change_settings(use_udim=True)
+    assert forecast(obj).points == 3 * 64 * 64

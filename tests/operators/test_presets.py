@@ -6,6 +6,7 @@ from pathlib import Path
 import bpy
 
 from .bakes import change_settings
+from .meshes import box
 
 
 def values():
@@ -15,7 +16,10 @@ def values():
 
 
 def test_a_preset_brings_the_settings_back_but_for_those_of_one_scene():
-    change_settings(samples=77, target="TEXTURE", falloff="SMOOTH", max_distance=2.5, uv_map="A", seed=3)
+    cage = box("Cage")
+    change_settings(
+        samples=77, target="TEXTURE", falloff="SMOOTH", max_distance=2.5, uv_map="A", seed=3, cage_object=cage
+    )
     assert bpy.ops.multibounce_ao.preset_add(name="Mine") == {"FINISHED"}
     kept = values()
     (file,) = Path(bpy.utils.user_resource("SCRIPTS"), "presets", "multibounce_ao").glob("*.py")
@@ -23,7 +27,7 @@ def test_a_preset_brings_the_settings_back_but_for_those_of_one_scene():
         bpy.ops.multibounce_ao.reset_settings()
         change_settings(uv_map="B")
         bpy.ops.script.execute_preset(filepath=str(file), menu_idname="MULTIBOUNCE_AO_PT_presets")
-        assert values() == kept | {"uv_map": "B"}
+        assert values() == kept | {"uv_map": "B", "cage_object": None}
     finally:
         assert bpy.ops.multibounce_ao.preset_add(name="Mine", remove_name=True, remove_active=True) == {"FINISHED"}
         file.unlink(missing_ok=True)

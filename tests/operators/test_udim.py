@@ -103,7 +103,7 @@ def test_tiles_agree_with_one_image():
     bake(floor, **(MADE | {"use_udim": False}), use_material_nodes=True)
     one = pixels(bpy.data.images["Floor Multibounce AO"])
     move(floor, (2, 1))
-    bake(floor, **MADE)
+    bake(floor, **MADE, color_depth="16")  # which is of files alone
     image = bpy.data.images["Floor Multibounce AO"]
     assert [tile.number for tile in image.tiles] == [1013]
     np.testing.assert_array_equal(pixels(image), one)
@@ -122,6 +122,14 @@ def test_which_tiles_are_touched():
     assert touched(np.stack((square - 5, square + 50, square * np.nan))) == []
 
 
+def test_which_triangles_are_in_a_tile():
+    square = np.array([(0, 0), (1, 0), (0, 1)], float)
+    triangles = np.stack([np.add(square, by) for by in ((0, 0), (1, 0), (2, 1), (-0.1, -0.1))])
+    in_tile = operators("uv_layout").in_tile
+    assert in_tile(triangles, 1001).tolist() == [True, False, False, True]
+    assert in_tile(triangles, 1013).tolist() == [False, False, True, False]
+
+
 def test_what_lies_outside_of_all_tiles_is_told():
     floor = plate("Floor", steps=2)
     move(floor, (9.5, 0))
@@ -134,3 +142,26 @@ def test_what_lies_outside_of_all_tiles_is_told():
     assert {line for line in differences(before, snapshot()) if "multibounce" not in line} == set()
     (report,) = reports(floor, **(MADE | {"use_udim": False}))
     assert "or bake UDIM tiles" in report.error
+
+
+def test_files_of_an_object_that_was_renamed_stay_its_own(tmp_path):
+    made = MADE | {"output_directory": str(tmp_path), "use_ao_map": True, "map_format": "OPEN_EXR", "samples": 1}
+    for tiles in (True, False):
+        first = plate("Floor", steps=2)
+        bake(first, **(made | {"use_udim": tiles}))
+        first.name = f"Renamed {tiles}"
+        before = {file: file.read_bytes() for file in tmp_path.iterdir()}
+        second = plate("Floor", steps=2, location=(5, 0, 0))
+        bake(second, **(made | {"use_udim": tiles}))
+        assert {file: file.read_bytes() for file in before} == before
+        assert len(list(tmp_path.iterdir())) == len(before) + 3
+        second.name = f"Second {tiles}"
+
+
+def test_a_bake_to_tiles_in_files_is_known_again_while_they_are_all_there(tmp_path):
+    floor = floor_in_two_tiles()
+    bake(floor, **MADE, output_directory=str(tmp_path))
+    known = operators("bake_record").baked_fingerprint
+    assert known(floor)
+    (tmp_path / "Floor_bent_cone.1011.exr").unlink()
+    assert not known(floor)

@@ -138,7 +138,17 @@ def test_what_the_button_will_do_stands_under_it(panels, plate):
 def test_panels_stand_in_the_sidebar_of_the_viewport(panels):
     top = [panel for panel in panels.values() if not getattr(panel, "bl_parent_id", "")]
     assert len(top) == 1
-    for panel in panels.values():
+    before = set()
+    for name, panel in panels.items():
         assert (panel.bl_space_type, panel.bl_region_type, panel.bl_category) == ("VIEW_3D", "UI", "Multibounce AO")
-        assert getattr(panel, "bl_parent_id", top[0].__name__) == top[0].__name__
+        assert panel is top[0] or panel.bl_parent_id in before
+        before.add(name)
         assert getattr(bpy.types, panel.__name__).is_registered
+
+
+def test_the_view_is_off_in_another_file(panels, tmp_path):
+    manager = bpy.context.window_manager
+    manager.multibounce_ao_view = "AO"
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "other.blend"), copy=True)
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "other.blend"), load_ui=False)
+    assert bpy.context.window_manager.multibounce_ao_view == "OFF"
