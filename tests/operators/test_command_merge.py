@@ -8,7 +8,7 @@ import bpy
 import pytest
 
 from .bakes import change_settings
-from .commands import run
+from .commands import reported, run
 from .meshes import add, box, plate
 from .snapshot import differences, snapshot
 
@@ -87,6 +87,7 @@ def test_merged_shares_are_the_bake_of_all(blend, kind, tmp_path):
     assert set(merge(blend, parts)) == {"Floor", "Twin", "Roof", "Pit"} | ({"Crate"} if kind == "vertices" else set())
     assert differences(left_in(whole), left_in(blend)) == []
     assert merge(blend, parts) == {}  # all of it is there already
+    assert {entry["rays"] for entry in reported(blend, "--resume")["objects"]} == {0}
 
 
 def test_old_bakes_in_the_parts_do_not_replace_new_ones(blend):
