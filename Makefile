@@ -3,9 +3,10 @@ PYTHON ?= python3
 VENV := .venv/$(or $(shell $(PYTHON) -c 'import sys; print("%d.%d" % sys.version_info[:2])' 2>/dev/null),none)
 STAMP := $(VENV)/.stamp
 BENCH := $(VENV)-bench
+FARM := $(VENV)-farm
 SITE := 'import site; print(site.getsitepackages()[0])'
 
-.PHONY: help demo compare demo-field demo-cones test test-blender bench zip lint clean
+.PHONY: help demo compare demo-field demo-cones test test-blender test-farm bench zip lint clean
 help:            ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' Makefile
 
@@ -31,6 +32,14 @@ test: $(STAMP)   ## run the tests in the bpy module; ARGS go to pytest
 
 test-blender: $(STAMP)   ## the same in a real Blender, on the built zip; BLENDER, else the PATH's, else fetched
 	tools/test_in_blender.sh $(VENV) $(ARGS)
+
+$(FARM)/.stamp: $(STAMP) tools/farm_requirements.txt
+	$(VENV)/bin/python -m venv --clear $(FARM)
+	$(FARM)/bin/python -m pip install --quiet --disable-pip-version-check -r tools/farm_requirements.txt
+	@touch $@
+
+test-farm: $(FARM)/.stamp   ## run the job templates of farm/ by openjd, in a real Blender as test-blender has it
+	OPENJD=$(abspath $(FARM)/bin/openjd) tools/test_in_blender.sh $(VENV) tests/farm/farm_jobs.py $(ARGS)
 
 # The benchmarks' own packages lie beside those of the venv, so that the tests do without them.
 $(BENCH)/.stamp: $(STAMP) tools/bench_requirements.txt

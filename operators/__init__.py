@@ -2,7 +2,8 @@
 """The only room that reads and writes Blender's data.
 
 The doors: bake.py, clear.py, add_nodes.py with ``openness``, fit_bounces.py, with ``settings`` and ``poll``;
-           command_line.py with ``command_bake``, ``command_fit`` and what they share, ``command_scene``.
+           command_line.py with ``command_bake``, ``command_merge``, ``command_fit`` and what these share, in
+           ``command_scene``.
 The bake:  bake_job.py, which passes data through
     in     ``object_checks``, ``mesh_reader``, ``occluder_reader`` into ``occluder_scenes`` by ``occluder_cache``,
            ``uv_layout``, ``nearest_point``

@@ -51,6 +51,7 @@ def bake(
     selected: Collection[bpy.types.Object] = (),
     store_each: bool = False,
     resume: bool = False,
+    share: tuple[int, int] = (1, 1),
 ) -> Generator[Progress, None, list[ObjectReport]]:
     """Bake ``objects`` (meshes of the context's view layer) and return a report for each, in their order.
 
@@ -64,9 +65,14 @@ def bake(
                 closing the generator keeps those
     resume      leave an object as it is that has its bake already, with the same settings and the same geometry and
                 colours around
+    share       (i, n): bake the i-th of n shares of ``objects``, counted from 1, to the bits that a bake of all gives;
+                a share may be empty
     """
     sources = pairs(objects, selected, settings)
     objects = objects if sources is None else list(sources)
+    colours = settings.bounces == "RADIOSITY"
+    scenes = OccluderScenes(context, objects, selected, settings, sources, colours=colours)
+    objects = _share_of(objects, *share)
     warnings = []
     if settings.target == "TEXTURE" and is_nowhere(settings.output_directory):
         warnings.append(
@@ -78,8 +84,6 @@ def bake(
         ObjectReport(obj.name, settings.target, samples=settings.samples, warnings=[*warnings]) for obj in objects
     ]
     done: list[tuple[bpy.types.Object, ObjectReport, VertexResult | TextureResult | None, bytes]] = []
-    colours = settings.bounces == "RADIOSITY"
-    scenes = OccluderScenes(context, objects, selected, settings, sources, colours=colours)
     count = RayCount()
     tracer = partial(Tracer, settings=settings, threads=threads, count=count)
     baked_meshes: dict[bpy.types.Mesh, ObjectReport] = {}
@@ -125,6 +129,12 @@ def bake(
     for each in done:
         _store(*each, settings)
     return reports
+
+
+def _share_of(objects: list[bpy.types.Object], index: int, count: int) -> list[bpy.types.Object]:
+    """Every ``count``-th mesh's, from the ``index``-th on: objects that share a mesh share a bake, too."""
+    mine = set(list(dict.fromkeys(obj.data for obj in objects))[index - 1 :: count])
+    return [obj for obj in objects if obj.data in mine]
 
 
 def _ends(objects: list[bpy.types.Object], target: str) -> list[float]:

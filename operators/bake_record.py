@@ -39,12 +39,19 @@ def record_bake(
     if uv_map is not None:
         record["uv_map"] = uv_map
     obj[PROPERTY] = record
-    if settings.use_material_nodes:
-        report.warnings += plug_object(obj, settings.bounces, baked_source(obj))
-    if uv_map is not None:
-        image = recorded_images(obj)[AO_MAP] if settings.use_gltf_occlusion else None
-        report.warnings += plug_object_occlusion(obj, image, uv_map)
+    report.warnings += plug_recorded(obj)
     obj[PROPERTY]["warnings"] = report.warnings
+
+
+def plug_recorded(obj: bpy.types.Object) -> list[str]:
+    """Plug the nodes in that the record of ``obj`` wants; returns warnings."""
+    record, warnings = obj[PROPERTY], []
+    if record["use_material_nodes"]:
+        warnings += plug_object(obj, record["bounces"], baked_source(obj))
+    if "uv_map" in record:  # it has images
+        image = recorded_images(obj)[AO_MAP] if record["use_gltf_occlusion"] else None
+        warnings += plug_object_occlusion(obj, image, record["uv_map"])
+    return warnings
 
 
 def baked_source(obj: bpy.types.Object, group: str | None = None) -> BakedSource | None:

@@ -59,7 +59,21 @@ def add_to(commands: argparse._SubParsersAction) -> None:
         default=5.0,
         help="with --save, save whenever so much time has passed too, for --resume to go on from; 0: at the end alone",
     )
+    command.add_argument(
+        "--share",
+        metavar="I/N",
+        type=_share,
+        default=(1, 1),
+        help="bake the I-th of N shares of these objects alone, for N machines; the command merge unites them",
+    )
     command.set_defaults(run=_bake)
+
+
+def _share(text: str) -> tuple[int, int]:
+    index, _, count = text.partition("/")
+    if not (index.isdecimal() and count.isdecimal() and 1 <= int(index) <= int(count)):
+        raise argparse.ArgumentTypeError(f"'{text}' is no share: write it as I/N, such as 1/8 for the first of eight")
+    return int(index), int(count)
 
 
 def _bake(options: argparse.Namespace) -> int:
@@ -74,7 +88,8 @@ def _bake(options: argparse.Namespace) -> int:
         checkpoints.step(progress)
 
     try:
-        reports = drive(bake(bpy.context, objects, settings, store_each=True, resume=options.resume), step)
+        work = bake(bpy.context, objects, settings, store_each=True, resume=options.resume, share=options.share)
+        reports = drive(work, step)
     except BakeError as error:
         reports = [ObjectReport(obj.name, settings.target, error=str(error)) for obj in objects]
     reports += [ObjectReport(name, settings.target, error=message) for name, message in missing]

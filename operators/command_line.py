@@ -27,7 +27,7 @@ def run(arguments: list[str]) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     # Here, with all that commands do: enabling the extension stays instant.
-    from . import command_bake, command_field, command_fit, command_info, command_world
+    from . import command_bake, command_field, command_fit, command_info, command_merge, command_world
 
     parser = argparse.ArgumentParser(
         prog="blender --command multibounce_ao",
@@ -39,6 +39,7 @@ def _parser() -> argparse.ArgumentParser:
     command_fit.add_to(commands)
     command_world.add_to(commands)
     command_info.add_to(commands)
+    command_merge.add_to(commands)
     return parser
 
 

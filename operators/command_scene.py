@@ -27,9 +27,10 @@ def add_command(
     object_help: str,
     failure: str,
     changes: bool = True,
+    bakes: bool = True,
 ) -> argparse.ArgumentParser:
     """A command with the options that all have; ``failure`` is what exit code 1 stands for. One that ``changes``
-    nothing has no settings and nothing to save."""
+    nothing has nothing to save, and no settings, nor has one that ``bakes`` nothing."""
     command = commands.add_parser(
         name,
         help=help,
@@ -39,7 +40,7 @@ def add_command(
     command.add_argument("scene", metavar="SCENE.blend", type=Path)
     command.add_argument("--object", metavar="NAME", action="append", help=object_help)
     command.set_defaults(set=[], save=None)
-    if changes:
+    if changes and bakes:
         command.add_argument(
             "--set",
             metavar="PROPERTY=VALUE",
@@ -47,6 +48,7 @@ def add_command(
             default=[],
             help="change a setting of scene.multibounce_ao, such as samples=64 or target=TEXTURE; may be given again",
         )
+    if changes:
         command.add_argument(
             "--save",
             metavar="FILE.blend",

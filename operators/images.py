@@ -157,7 +157,7 @@ def store_image(obj: bpy.types.Object, channel: str, pixels: NDArray[np.float32]
     image.pixels.foreach_set(np.ascontiguousarray(pixels, np.float32).ravel())
     image.pack()
     image.buffers_free()  # until somebody looks at it: large ones take gigabytes
-    _keep(obj, channel, image)
+    keep_image(obj, channel, image)
     return image.name
 
 
@@ -176,13 +176,13 @@ def store_file(
     if is_packed:
         image.pack()
         image.filepath_raw = f"//{path.name}"
-    _keep(obj, channel, image)
+    keep_image(obj, channel, image)
     if is_packed:
         return [image.name]
     return [str(path).replace(UDIM, str(number)) for number in tiles] if tiles else [str(path)]
 
 
-def _keep(obj: bpy.types.Object, channel: str, image: bpy.types.Image) -> None:
+def keep_image(obj: bpy.types.Object, channel: str, image: bpy.types.Image) -> None:
     """Let ``image`` take the place of the one of an earlier bake, which hands its users over, unless a duplicate of
     ``obj`` has it too. The record of ``obj`` points to the new one."""
     image.alpha_mode = "CHANNEL_PACKED"
