@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 # Points that lie on an edge are moved inside by this fraction of the triangle. On the edge itself a floor's point also
 # lies in the wall's plane, and rays into the wall would start behind it.
 INSET = 1e-3
+# Triangles of a face that bend by less, as a sine, are one plane.
+FLAT = 1e-6
 
 
 @dataclass(frozen=True)
@@ -65,7 +67,7 @@ class Surface:
 
         Returns positions (k, 3), normals (k, 3), and each corner's index into them (c,). Corners that share a vertex
         and its normal share a point, so smooth regions stay smooth. Positions are inset into the faces of their
-        corners.
+        corners, and lie below none of the triangles of these.
         """
         steps = np.rint(self.corner_normals * 1e4).astype(np.int64)
         key = ((steps[:, 0] * 20011 + steps[:, 1]) * 20011 + steps[:, 2]) & (2**32 - 1)
@@ -74,8 +76,24 @@ class Surface:
         split = split.reshape(-1)
         count = np.bincount(split)
         inwards = into_faces(self.vertices[self.corner_vertex], self.face_start, self.face_size)
+        inwards += self._rise(inwards)[:, None] * self.corner_normals
         inset = np.column_stack([np.bincount(split, weights=axis) / count for axis in inwards.T])
         return self.vertices[self.corner_vertex[first]] + INSET * inset, self.corner_normals[first], split
+
+    def _rise(self, inwards: NDArray[np.float64]) -> NDArray[np.float64]:
+        """How far (c,) along their normals the vectors ``inwards`` (c, 3) of the corners must go for no triangle of
+        their face to be above them, where that face is not planar."""
+        rise = np.zeros(len(inwards))
+        if (self.face_size <= 3).all():
+            return rise
+        a, b, c = self.vertices[self.corner_vertex[self.triangles.T]]
+        normal = unit(np.cross(b - a, c - a))
+        for corner in self.triangles.T:
+            below = -np.einsum("mx,mx->m", inwards[corner], normal)
+            bent = np.flatnonzero(below > FLAT * lengths(inwards[corner]))
+            facing = np.einsum("mx,mx->m", self.corner_normals[corner[bent]], normal[bent])
+            np.maximum.at(rise, corner[bent], below[bent] / np.maximum(facing, 0.1))
+        return rise
 
 
 def extent_of(vertices: NDArray, used: NDArray[np.integer]) -> float:

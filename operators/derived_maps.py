@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Maps that other programs show as they are, made from the channels of a bake.
 
+Bent Normal the bent direction as a normal map; a bake leaves it in its colours
 AO          grey: F0, which is k_A
 Colored AO  E/E0 in red, green and blue, with the base colour that the material has now: it multiplies that colour
 """
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 from ..core.exr import write_exr
 from ..core.multibounce import irradiance_from_bounces
 from ..core.png import write_png
-from .names import AO_MAP, COLORED_AO_MAP, MULTIBOUNCE_AO, RADIOSITY
+from .names import AO_MAP, BENT_NORMAL, COLORED_AO_MAP, MULTIBOUNCE_AO, RADIOSITY
 from .settings import BakeSettings
 
 ROWS_AT_ONCE = 128
@@ -25,6 +26,8 @@ ROWS_AT_ONCE = 128
 def derive(name: str, channels: Mapping[str, NDArray], albedo: NDArray[np.float32] | None) -> NDArray[np.float32]:
     """The map ``name`` (h, w, 1 or 3), linear, from what a bake left (h, w, 4) and the base colour (h, w, 3)."""
     radiosity, bounces = channels.get(RADIOSITY), channels.get(MULTIBOUNCE_AO)
+    if name == BENT_NORMAL:
+        return channels[BENT_NORMAL][..., :3]
     if name == AO_MAP:
         return bounces[..., :1] if radiosity is None else radiosity[..., 3:]
     if radiosity is not None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The images of a texture bake: packed in the .blend, or as OpenEXR files."""
+"""The images of a texture bake: packed in the .blend, or as files."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ FILE_SUFFIX = {
     MULTIBOUNCE_AO: "_multibounce_ao.exr",
     RADIOSITY: "_multibounce_radiosity.exr",
     BENT_CONE: "_bent_cone.exr",
-    BENT_NORMAL: "_bent_normal.exr",
+    BENT_NORMAL: "_bent_normal.png",
     AO_MAP: "_ao.png",
     COLORED_AO_MAP: "_colored_ao.png",
 }
@@ -79,14 +79,17 @@ def image_name(obj: bpy.types.Object, channel: str) -> str:
 
 def map_names(settings: BakeSettings) -> tuple[str, ...]:
     """The maps for other programs that a texture bake leaves."""
-    wanted = {AO_MAP: settings.use_ao_map or settings.use_gltf_occlusion, COLORED_AO_MAP: settings.use_colored_ao_map}
+    wanted = {
+        BENT_NORMAL: settings.use_bent_normal_map,
+        AO_MAP: settings.use_ao_map or settings.use_gltf_occlusion,
+        COLORED_AO_MAP: settings.use_colored_ao_map,
+    }
     return tuple(name for name, is_wanted in wanted.items() if is_wanted)
 
 
 def image_channels(settings: BakeSettings) -> tuple[str, ...]:
     """What a texture bake leaves an image of."""
-    bent_normal = (BENT_NORMAL,) if settings.use_bent_normal_map else ()
-    return CHANNELS[settings.bounces] + bent_normal + map_names(settings)
+    return CHANNELS[settings.bounces] + map_names(settings)
 
 
 def file_path(

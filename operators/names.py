@@ -33,7 +33,7 @@ MEANINGS = {
     MULTIBOUNCE_AO: ("F0", "F1", "F2", "T"),
     RADIOSITY: ("red", "green", "blue", "F0"),
     BENT_CONE: ("x", "y", "z", "alpha"),
-    BENT_NORMAL: ("x", "y", "z", "1"),
+    BENT_NORMAL: ("x", "y", "z"),
     AO_MAP: ("F0", "F0", "F0"),
     COLORED_AO_MAP: ("red", "green", "blue"),
 }

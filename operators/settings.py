@@ -127,7 +127,7 @@ class MultibounceAOSettings(bpy.types.PropertyGroup):
     )
     output_directory: StringProperty(
         name="Output",
-        description="Folder for OpenEXR files and bounce curves. Empty: they are packed in the .blend",
+        description="Folder for images and bounce curves. Empty: they are packed in the .blend",
         subtype="DIR_PATH",
         # Said since 4.5, which warns of "//" without it; 4.2 does not know the word.
         options={"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5, 0) else set(),

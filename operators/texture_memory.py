@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from ..core.memory import free_memory
+from .images import map_names
 from .names import CHANNELS
 from .report import BakeError
 from .settings import BakeSettings
@@ -24,7 +25,9 @@ def needed_memory(settings: BakeSettings, tiles: int, triangles: int) -> float:
     texels = settings.resolution**2
     colour = COLOUR if settings.use_colored_ao_map and settings.bounces != "RADIOSITY" else 0
     images = IMAGE * (len(CHANNELS[settings.bounces]) + settings.use_bent_normal_map) + colour
-    return tiles * texels * images + max(texels * MASKS + BAND, texels * STORING) + TRIANGLE * triangles
+    # Maps get an alpha first.
+    storing = STORING + IMAGE * (settings.map_format == "OPEN_EXR" and bool(map_names(settings)))
+    return tiles * texels * images + max(texels * MASKS + BAND, texels * storing) + TRIANGLE * triangles
 
 
 def check_memory(needed: float) -> None:

@@ -15,6 +15,7 @@ from ..core.exr import write_exr
 from ..core.whole_files import whole_files
 from .derived_maps import colour_space, derive, extension, write_map
 from .images import UDIM, file_metadata, file_path, image_channels, map_names, store_file, store_image
+from .names import CHANNELS
 from .settings import BakeSettings
 
 
@@ -52,7 +53,7 @@ class TextureResult:
             maps = self._write_files(map_names(self.settings), Path(folder))
         # The others straight from memory to the image, which then is all that has them.
         (tile,) = self.tiles.values()
-        return [store_image(self.obj, name, tile.channels.pop(name)) for name in list(tile.channels)] + maps
+        return [store_image(self.obj, name, tile.channels.pop(name)) for name in CHANNELS[self.settings.bounces]] + maps
 
     def _write_files(self, names: tuple[str, ...], folder: Path) -> list[str]:
         # All files before any of them takes its name, and before any image: where one cannot be written, the disk and

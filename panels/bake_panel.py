@@ -181,7 +181,8 @@ class MULTIBOUNCE_AO_PT_maps(SidebarPanel, bpy.types.Panel):
         column.prop(settings, "use_colored_ao_map")
         column.prop(settings, "use_gltf_occlusion")
         map_format = column.row()
-        map_format.active = settings.use_ao_map or settings.use_colored_ao_map or settings.use_gltf_occlusion
+        grey_map = settings.use_ao_map or settings.use_gltf_occlusion
+        map_format.active = grey_map or settings.use_colored_ao_map or settings.use_bent_normal_map
         map_format.prop(settings, "map_format")
         column.separator()
         column.prop(settings, "use_bent_normal_map")

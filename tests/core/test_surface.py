@@ -113,3 +113,20 @@ def test_morton_neighbours_stay_together():
     # octants come in order: z above y above x
     corners = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)], float)
     assert (morton_order(corners[::-1]) == np.arange(8)[::-1]).all()
+
+
+@pytest.mark.parametrize("height", [0.3, -0.3])
+@pytest.mark.parametrize("cut", [((0, 1, 2), (0, 2, 3)), ((1, 2, 3), (1, 3, 0))])
+def test_split_vertices_of_a_bent_quad_lie_below_neither_of_its_triangles(cut, height):
+    """A ridge and a valley along either diagonal, flat-shaded."""
+    vertices = np.array([(0.0, 0, height), (1, 0, 0), (1, 1, height), (0, 1, 0)])
+    triangles = np.array(cut, np.int32)
+    up = np.tile((0.0, 0.0, 1.0), (4, 1))
+    corners = np.arange(4, dtype=np.int32)
+    surface = Surface(vertices, corners, up, triangles, np.array([0], np.int32), np.array([4], np.int32))
+    positions, _, corner_point = surface.split_vertices()
+    for triangle in triangles:
+        a, b, c = vertices[triangle]
+        normal = np.cross(b - a, c - a)
+        assert ((positions[corner_point[triangle]] - a) @ normal).min() > -1e-12
+    assert np.abs(positions[corner_point] - vertices).max() < INSET

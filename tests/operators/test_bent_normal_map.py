@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The bent normal map: what Blender, and whoever has the mesh's tangents, reads from it."""
 
+import struct
+
 import bpy
 import numpy as np
 import OpenEXR
@@ -18,6 +20,7 @@ MAP = "Bent Normal"
 def bake_map(obj, space="TANGENT", **settings):
     """(h, w, 3), each component in [-1, 1]."""
     chosen = {"target": "TEXTURE", "bounces": "FITTED", "resolution": SIZE, "margin": 0, "use_material_nodes": False}
+    chosen["map_format"] = "OPEN_EXR"  # exact
     bake(obj, use_bent_normal_map=True, bent_normal_space=space, **(chosen | settings))
     return pixels(bpy.data.images[f"{obj.name} {MAP}"])[..., :3] * 2.0 - 1.0
 
@@ -180,7 +183,7 @@ def test_high_to_low():
     at[:, 2] = 0.15 * np.cos(4 * at[:, 0]) * np.cos(5 * at[:, 1])
     high.data.vertices.foreach_set("co", at.astype(np.float32).ravel())
     change_settings(target="TEXTURE", bounces="FITTED", resolution=32, margin=0, samples=64, use_material_nodes=False)
-    change_settings(use_bent_normal_map=True, use_selected_to_active=True, cage_extrusion=0.5)
+    change_settings(use_bent_normal_map=True, map_format="OPEN_EXR", use_selected_to_active=True, cage_extrusion=0.5)
     select(low, high)
     assert bpy.ops.multibounce_ao.bake() == {"FINISHED"}
     found = pixels(bpy.data.images[f"Low {MAP}"])[..., :3] * 2.0 - 1.0
@@ -207,6 +210,30 @@ def test_file_and_clear(tmp_path):
     np.testing.assert_allclose(channels["B"], 1.0, atol=1e-6)
     clear(obj)
     assert MAP not in "".join(bpy.data.images.keys())
+
+
+@pytest.mark.parametrize(("map_format", "bits"), [("PNG_8", 8), ("PNG_16", 16)])
+@pytest.mark.parametrize("use_udim", [False, True])
+@pytest.mark.parametrize("to_files", [False, True])
+def test_png(map_format, bits, use_udim, to_files, tmp_path):
+    """Within half a step of the floats that the same bake leaves as OpenEXR."""
+    obj = plate()
+    box("Wall", low=(-1.2, -3, -1), high=(-1.0, 3, 4))
+    made = {"resolution": 16, "samples": 16, "use_udim": use_udim}
+    expected = bake_map(obj, **made)
+    assert np.ptp(expected[..., 0]) > 0.3
+    folder = str(tmp_path) if to_files else ""
+    found = bake_map(obj, **made, map_format=map_format, output_directory=folder)
+    step = 2 / (2**bits - 1)  # of components, which reach from -1 to 1
+    np.testing.assert_allclose(found, expected, atol=0.5 * step + 1e-6)
+    image = bpy.data.images[f"Plate {MAP}"]
+    assert image.colorspace_settings.name == "Non-Color"
+    assert image.file_format == "PNG"
+    assert bool(image.packed_files) != to_files
+    if to_files:
+        data = (tmp_path / f"Plate_bent_normal{'.1001' if use_udim else ''}.png").read_bytes()
+        assert struct.unpack_from(">IIBB", data, 16) == (16, 16, bits, 2)  # RGB
+        assert not list(tmp_path.glob("*bent_normal*.exr"))
 
 
 def test_an_artists_image_of_that_name_stays():

@@ -27,6 +27,11 @@ def test_a_bake_that_cannot_fit_is_refused_with_the_numbers(monkeypatch):
     # Two images of four floats, and one more twice over while it is stored.
     assert 16384**2 * 64 / 1e9 <= needed < 1.1 * 16384**2 * 64 / 1e9
     assert differences(before, snapshot()) == []
+    # A bent normal map is one more; as OpenEXR it is copied before it is stored.
+    for map_format, texel in (("PNG_8", 80), ("OPEN_EXR", 96)):
+        (report,) = reports(obj, **MADE, resolution=16384, use_bent_normal_map=True, map_format=map_format)
+        assert f"about {16384**2 * texel / 1e9:.1f} GB" in report.error
+    change_settings(use_bent_normal_map=False)
     monkeypatch.setattr(memory, "free_memory", lambda: None)  # a system that does not tell
     assert reports(obj, **MADE, resolution=8)[0].error is None
 

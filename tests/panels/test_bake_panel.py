@@ -106,10 +106,11 @@ def test_what_does_not_apply_is_grey(panels):
     grey = {name for name, active in properties(everything(panels)).items() if not active}
     packed = {"color_depth", "exr_codec"}
     assert grey == packed | {"map_format", "height_map_amplitude", "bent_normal_space", "bent_normal_y"}
-    settings.use_ao_map = True
+    settings.use_bent_normal_map = True
+    grey = {name for name, active in properties(everything(panels)).items() if not active}
+    assert grey == packed | {"height_map_amplitude"}
     settings.output_directory = "//maps"
     settings.height_map = bpy.data.images.new("Relief", 4, 4)
-    settings.use_bent_normal_map = True
     assert all(properties(everything(panels)).values())
 
 
