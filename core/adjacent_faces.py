@@ -35,7 +35,9 @@ class AdjacentFaces:
         step = max(1.0, length.sum() / MOST_POINTS)
         count = 1 + np.ceil(length / step).astype(np.intp)
         self._seam = np.repeat(np.arange(len(length)), count)
-        along = (np.arange(len(self._seam)) - np.repeat(np.cumsum(count) - count, count)) / np.repeat(count - 1, count)
+        along = (np.arange(len(self._seam)) - np.repeat(np.cumsum(count) - count, count)) / np.repeat(
+            np.maximum(count - 1, 1), count
+        )
         start, end = self._near[self._seam, 0], self._near[self._seam, 1]
         # A hair inwards: of two seams that meet at one place, the one that is faced.
         points = start + along[:, None] * (end - start)
@@ -83,22 +85,33 @@ def bilinear(image: NDArray, covered: NDArray[np.bool_], at: NDArray[np.float64]
 def _seams(triangle_uv: NDArray, vertex_triangles: NDArray[np.integer]) -> tuple[NDArray, NDArray]:
     """For each side of each seam, UVs (s, 3, 2) of the edge's ends and of its triangle's third corner, and the same of
     the triangle across; those of the borders of the surface, where there is none, are NaN."""
-    corner = np.arange(3)
-    ends = vertex_triangles[:, np.stack((corner, (corner + 1) % 3), axis=1)].reshape(-1, 2).astype(np.int64)
-    turned = ends[:, 0] > ends[:, 1]
-    uv = np.asarray(triangle_uv, np.float64)[:, np.stack((corner, (corner + 1) % 3, (corner + 2) % 3), axis=1)]
-    uv = uv.reshape(-1, 3, 2)
-    uv[turned, :2] = uv[turned, 1::-1]  # from the lower vertex to the higher, so that both sides agree
-    key = ends.min(axis=1) * (int(vertex_triangles.max(initial=0)) + 1) + ends.max(axis=1)
+    uv, vertex = np.asarray(triangle_uv, np.float64).reshape(-1, 2), vertex_triangles.reshape(-1).astype(np.int64)
+
+    def corners(edge: NDArray) -> NDArray:
+        """The two ends (3, ...) of edges, which begin at corners (...), and the triangle's third corner. From the lower
+        vertex to the higher, so that both sides agree."""
+        following = _following(edge)
+        turned = vertex[edge] > vertex[following]
+        return np.stack((np.where(turned, following, edge), np.where(turned, edge, following), _following(following)))
+
+    start, end, _ = corners(np.arange(len(vertex)))
+    key = vertex[start] * (vertex.max(initial=0) + 1) + vertex[end]
     order = np.argsort(key, kind="stable")
-    _, first, count = np.unique(key[order], return_index=True, return_counts=True)
+    first = np.flatnonzero(np.diff(key[order], prepend=-1))
+    count = np.diff(first, append=len(key))
     one, other = order[first[count == 2]], order[first[count == 2] + 1]
-    split = np.flatnonzero(np.abs(uv[one, :2] - uv[other, :2]).max(axis=(1, 2)) > SAME_UV)
+    gap = np.abs(uv.take(corners(one)[:2], axis=0) - uv.take(corners(other)[:2], axis=0)).max(axis=0)
+    split = np.flatnonzero(np.maximum(gap[:, 0], gap[:, 1]) > SAME_UV)
     one, other = one[split], other[split]
     # An edge of one face has nothing across, and one of many has no one thing.
     border = order[np.repeat(count != 2, count)]
-    near = np.concatenate((uv[one], uv[other], uv[border]))
-    return near, np.concatenate((uv[other], uv[one], np.full_like(uv[border], np.nan)))
+    near, far, alone = (uv.take(corners(edge).T, axis=0) for edge in (one, other, border))
+    return np.concatenate((near, far, alone)), np.concatenate((far, near, np.full_like(alone, np.nan)))
+
+
+def _following(corner: NDArray) -> NDArray:
+    """The next corner of the same triangle, of corners that are numbered through."""
+    return np.where(corner % 3 == 2, corner - 2, corner + 1)
 
 
 def _frame(start: NDArray, end: NDArray, inside: NDArray, outwards: bool) -> tuple[NDArray, NDArray]:
