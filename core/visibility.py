@@ -151,7 +151,7 @@ def trace_visibility(
             by_place = visible.reshape(count, places, -1).swapaxes(0, 1)
             np.matmul(by_place, weights, out=sums[part, :, :sky].swapaxes(0, 1))
             if not obscurance.ignore_backfaces:
-                dark = np.flatnonzero(~visible.reshape(count * places, -1).any(axis=1))
+                dark = np.flatnonzero(sums[part, :, 1] == 0.0)
                 chosen = (dark[:, None] * rays_per_place + probes).reshape(-1)
                 inside = occluders.see_inside(*(each.take(chosen, axis=0) for each in rays))
                 lost[part].reshape(-1)[dark] |= inside.reshape(len(dark), len(probes)).all(axis=1)
