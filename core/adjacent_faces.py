@@ -7,6 +7,8 @@ values from either side (Blender's margin type "Adjacent Faces").
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,7 +21,7 @@ MOST_POINTS = 2**23
 class AdjacentFaces:
     """The seams of a layout, in texels.
 
-    triangle_uv       (m, 3, 2) float, UV coordinates of the triangles' corners, finite
+    triangle_uv       (m, 3, 2) float, UV coordinates of the triangles' corners; those not finite have no seams
     vertex_triangles  (m, 3) int, their vertices
     width, height     of the image
     """
@@ -29,6 +31,8 @@ class AdjacentFaces:
 
         scale = np.array((width, height), np.float64)
         near, far = _seams(triangle_uv, vertex_triangles)
+        placed = np.isfinite(near).all(axis=(1, 2))
+        near, far = near[placed], far[placed]
         # Each (s, 3 corners, 2): the two ends, and the corner that lies inside.
         self._near, self._far = near * scale, far * scale
         length = np.linalg.norm(self._near[:, 1] - self._near[:, 0], axis=1)
@@ -61,15 +65,17 @@ class AdjacentFaces:
         return start + s * along + t * inwards
 
 
-def bilinear(image: NDArray, covered: NDArray[np.bool_], at: NDArray[np.float64]) -> tuple[NDArray, NDArray]:
-    """Values (k, c) of ``image`` (h, w, c) at the places ``at`` (k, 2), texels, between the centres of those texels
-    that are ``covered`` (h, w); and how much of the weight (k,) these have, 0 at places that are not finite."""
+def bilinear(
+    images: Sequence[NDArray], covered: NDArray[np.bool_], at: NDArray[np.float64]
+) -> tuple[list[NDArray[np.float64]], NDArray[np.float64]]:
+    """Values (k, c) of each of ``images`` (h, w, c) at the places ``at`` (k, 2), texels, between the centres of those
+    texels that are ``covered`` (h, w); and how much of the weight (k,) these have, 0 at places that are not finite."""
     height, width = covered.shape
     known = np.isfinite(at).all(axis=1)
     at = np.clip(np.where(known[:, None], at, 0.0), -1e6, 1e6) - 0.5
     low = np.floor(at).astype(np.intp)
     share = at - low
-    total, values = np.zeros(len(at)), np.zeros((len(at), image.shape[2]))
+    total, values = np.zeros(len(at)), [np.zeros((len(at), image.shape[2])) for image in images]
     for right in (0, 1):
         for up in (0, 1):
             column, row = low[:, 0] + right, low[:, 1] + up
@@ -78,8 +84,9 @@ def bilinear(image: NDArray, covered: NDArray[np.bool_], at: NDArray[np.float64]
             column, row = np.where(is_in, column, 0), np.where(is_in, row, 0)
             weight *= is_in & covered[row, column]
             total += weight
-            values += weight[:, None] * image[row, column]
-    return values / np.maximum(total, 1e-12)[:, None], total
+            for value, image in zip(values, images, strict=True):
+                value += weight[:, None] * image[row, column]
+    return [value / np.maximum(total, 1e-12)[:, None] for value in values], total
 
 
 def _seams(triangle_uv: NDArray, vertex_triangles: NDArray[np.integer]) -> tuple[NDArray, NDArray]:
