@@ -24,9 +24,12 @@ class AdjacentFaces:
     triangle_uv       (m, 3, 2) float, UV coordinates of the triangles' corners; those not finite have no seams
     vertex_triangles  (m, 3) int, their vertices
     width, height     of the image
+    margin            how far from islands the places may be that :meth:`beyond` is asked for
     """
 
-    def __init__(self, triangle_uv: NDArray, vertex_triangles: NDArray[np.integer], width: int, height: int):
+    def __init__(
+        self, triangle_uv: NDArray, vertex_triangles: NDArray[np.integer], width: int, height: int, margin: float
+    ):
         from scipy.spatial import cKDTree
 
         scale = np.array((width, height), np.float64)
@@ -36,12 +39,15 @@ class AdjacentFaces:
         # Each (s, 3 corners, 2): the two ends, and the corner that lies inside.
         self._near, self._far = near * scale, far * scale
         length = np.linalg.norm(self._near[:, 1] - self._near[:, 0], axis=1)
-        step = max(1.0, length.sum() / MOST_POINTS)
-        count = 1 + np.ceil(length / step).astype(np.intp)
+        # What is further from the image than its texels may be from an island is near none of them.
+        first, last = _within(self._near[:, 0], self._near[:, 1], -margin - 2.0, scale + (margin + 2.0))
+        step = max(1.0, (np.maximum(last - first, 0.0) * length).sum() / MOST_POINTS)
+        steps = np.ceil(length / step)
+        start = np.floor(first * steps).astype(np.intp)
+        count = np.where(first <= last, np.ceil(last * steps).astype(np.intp) - start + 1, 0)
         self._seam = np.repeat(np.arange(len(length)), count)
-        along = (np.arange(len(self._seam)) - np.repeat(np.cumsum(count) - count, count)) / np.repeat(
-            np.maximum(count - 1, 1), count
-        )
+        along = np.arange(len(self._seam)) + np.repeat(start - (np.cumsum(count) - count), count)
+        along = along / np.maximum(steps, 1.0)[self._seam]
         start, end = self._near[self._seam, 0], self._near[self._seam, 1]
         # A hair inwards: of two seams that meet at one place, the one that is faced.
         points = start + along[:, None] * (end - start)
@@ -114,6 +120,24 @@ def _seams(triangle_uv: NDArray, vertex_triangles: NDArray[np.integer]) -> tuple
     border = order[np.repeat(count != 2, count)]
     near, far, alone = (uv.take(corners(edge).T, axis=0) for edge in (one, other, border))
     return np.concatenate((near, far, alone)), np.concatenate((far, near, np.full_like(alone, np.nan)))
+
+
+def _within(start: NDArray, end: NDArray, low: float, high: NDArray) -> tuple[NDArray, NDArray]:
+    """First and last part (s,), in [0, 1], of the ways from ``start`` to ``end`` (s, 2) that lie in the box from ``low``
+    to ``high`` (2,); the first is greater where none does.
+
+    Liang and Barsky 1984, "A New Concept and Method for Line Clipping".
+    """
+    way = end - start
+    still = np.abs(way) < 1e-300
+    slope = np.where(still, 1.0, way)
+    ends = (low - start) / slope, (high - start) / slope
+    out = still & ((start < low) | (start > high))
+    enter = np.where(still, np.where(out, np.inf, 0.0), np.minimum(*ends))
+    leave = np.where(still, 1.0, np.maximum(*ends))
+    first, last = np.maximum(enter[:, 0], enter[:, 1]), np.minimum(leave[:, 0], leave[:, 1])
+    out = (first > 1.0) | (last < 0.0) | (first > last)
+    return np.where(out, 1.0, np.maximum(first, 0.0)), np.where(out, 0.0, np.minimum(last, 1.0))
 
 
 def _following(corner: NDArray) -> NDArray:
