@@ -12,6 +12,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from .scan_conversion import in_boxes, summed_area
+
 # UV coordinates that differ by less are one place.
 SAME_UV = 1e-6
 # At most so many points, in all, stand for seams: one a texel, or fewer.
@@ -23,24 +25,24 @@ class AdjacentFaces:
 
     triangle_uv       (m, 3, 2) float, UV coordinates of the triangles' corners; those not finite have no seams
     vertex_triangles  (m, 3) int, their vertices
-    width, height     of the image
+    covered           (h, w) bool, texels of the image that are inside of islands
     margin            how far from islands the places may be that :meth:`beyond` is asked for
     """
 
     def __init__(
-        self, triangle_uv: NDArray, vertex_triangles: NDArray[np.integer], width: int, height: int, margin: float
+        self, triangle_uv: NDArray, vertex_triangles: NDArray[np.integer], covered: NDArray[np.bool_], margin: int
     ):
         from scipy.spatial import cKDTree
 
-        scale = np.array((width, height), np.float64)
+        scale = np.array(covered.shape[::-1], np.float64)
         near, far = _seams(triangle_uv, vertex_triangles)
-        placed = np.isfinite(near).all(axis=(1, 2))
-        near, far = near[placed], far[placed]
+        # What is further from all texels that are not covered than these may be from an island is near none of them.
+        reach = margin + 2.0
+        wanted = _near_open(near * scale, covered, reach)
         # Each (s, 3 corners, 2): the two ends, and the corner that lies inside.
-        self._near, self._far = near * scale, far * scale
+        self._near, self._far = near[wanted] * scale, far[wanted] * scale
         length = np.linalg.norm(self._near[:, 1] - self._near[:, 0], axis=1)
-        # What is further from the image than its texels may be from an island is near none of them.
-        first, last = _within(self._near[:, 0], self._near[:, 1], -margin - 2.0, scale + (margin + 2.0))
+        first, last = _within(self._near[:, 0], self._near[:, 1], -reach, scale + reach)
         step = max(1.0, (np.maximum(last - first, 0.0) * length).sum() / MOST_POINTS)
         steps = np.ceil(length / step)
         start = np.floor(first * steps).astype(np.intp)
@@ -51,7 +53,7 @@ class AdjacentFaces:
         start, end = self._near[self._seam, 0], self._near[self._seam, 1]
         # A hair inwards: of two seams that meet at one place, the one that is faced.
         points = start + along[:, None] * (end - start)
-        points += 1e-3 * (self._near[self._seam].mean(axis=1) - points)
+        points += 1e-3 * (self._near.mean(axis=1)[self._seam] - points)
         self._tree = cKDTree(points) if len(points) else None
 
     def beyond(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -122,9 +124,20 @@ def _seams(triangle_uv: NDArray, vertex_triangles: NDArray[np.integer]) -> tuple
     return np.concatenate((near, far, alone)), np.concatenate((far, near, np.full_like(alone, np.nan)))
 
 
+def _near_open(near: NDArray, covered: NDArray[np.bool_], reach: float) -> NDArray[np.intp]:
+    """Those of the seams ``near`` (s, 3 corners, 2) that are finite and whose ends' box, ``reach`` larger, holds a
+    texel not ``covered``."""
+    size = covered.shape[::-1]
+    finite = np.flatnonzero(np.isfinite(near).all(axis=(1, 2)))
+    one, other = near[finite, 0], near[finite, 1]
+    low = np.clip(np.floor(np.minimum(one, other) - reach), 0, size).astype(np.intp)
+    high = np.clip(np.ceil(np.maximum(one, other) + reach), 0, size).astype(np.intp)
+    return finite[in_boxes(summed_area(~covered), low[:, 1], high[:, 1], low[:, 0], high[:, 0]) > 0]
+
+
 def _within(start: NDArray, end: NDArray, low: float, high: NDArray) -> tuple[NDArray, NDArray]:
-    """First and last part (s,), in [0, 1], of the ways from ``start`` to ``end`` (s, 2) that lie in the box from ``low``
-    to ``high`` (2,); the first is greater where none does.
+    """First and last part (s,), in [0, 1], of the ways from ``start`` to ``end`` (s, 2) that lie in the box from
+    ``low`` to ``high`` (2,); the first is greater where none does.
 
     Liang and Barsky 1984, "A New Concept and Method for Line Clipping".
     """

@@ -164,7 +164,7 @@ class _TileBaker:
         tile = Tile(images, None if colours is None else colours.reshape(size, size, 3))
         faces = None
         if self.settings.margin and self.settings.margin_type == "ADJACENT_FACES":
-            faces = AdjacentFaces(triangle_uv, self.surface.vertex_triangles, size, size, self.settings.margin)
+            faces = AdjacentFaces(triangle_uv, self.surface.vertex_triangles, covered, self.settings.margin)
         # Across a seam the tangent space is another one.
         local = {BENT_NORMAL} if self.bent_normals is not None and self.bent_normals.is_tangent else set()
         extended = [images[channel] for channel in images.keys() - local]
