@@ -7,8 +7,12 @@ values from either side (Blender's margin type "Adjacent Faces").
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
+
+from .scan_conversion import in_boxes, summed_area
 
 # UV coordinates that differ by less are one place.
 SAME_UV = 1e-6
@@ -19,27 +23,37 @@ MOST_POINTS = 2**23
 class AdjacentFaces:
     """The seams of a layout, in texels.
 
-    triangle_uv       (m, 3, 2) float, UV coordinates of the triangles' corners, finite
+    triangle_uv       (m, 3, 2) float, UV coordinates of the triangles' corners; those not finite have no seams
     vertex_triangles  (m, 3) int, their vertices
-    width, height     of the image
+    covered           (h, w) bool, texels of the image that are inside of islands
+    margin            how far from islands the places may be that :meth:`beyond` is asked for
     """
 
-    def __init__(self, triangle_uv: NDArray, vertex_triangles: NDArray[np.integer], width: int, height: int):
+    def __init__(
+        self, triangle_uv: NDArray, vertex_triangles: NDArray[np.integer], covered: NDArray[np.bool_], margin: int
+    ):
         from scipy.spatial import cKDTree
 
-        scale = np.array((width, height), np.float64)
+        scale = np.array(covered.shape[::-1], np.float64)
         near, far = _seams(triangle_uv, vertex_triangles)
+        # What is further from all texels that are not covered than these may be from an island is near none of them.
+        reach = margin + 2.0
+        wanted = _near_open(near * scale, covered, reach)
         # Each (s, 3 corners, 2): the two ends, and the corner that lies inside.
-        self._near, self._far = near * scale, far * scale
+        self._near, self._far = near[wanted] * scale, far[wanted] * scale
         length = np.linalg.norm(self._near[:, 1] - self._near[:, 0], axis=1)
-        step = max(1.0, length.sum() / MOST_POINTS)
-        count = 1 + np.ceil(length / step).astype(np.intp)
+        first, last = _within(self._near[:, 0], self._near[:, 1], -reach, scale + reach)
+        step = max(1.0, (np.maximum(last - first, 0.0) * length).sum() / MOST_POINTS)
+        steps = np.ceil(length / step)
+        start = np.floor(first * steps).astype(np.intp)
+        count = np.where(first <= last, np.ceil(last * steps).astype(np.intp) - start + 1, 0)
         self._seam = np.repeat(np.arange(len(length)), count)
-        along = (np.arange(len(self._seam)) - np.repeat(np.cumsum(count) - count, count)) / np.repeat(count - 1, count)
+        along = np.arange(len(self._seam)) + np.repeat(start - (np.cumsum(count) - count), count)
+        along = along / np.maximum(steps, 1.0)[self._seam]
         start, end = self._near[self._seam, 0], self._near[self._seam, 1]
         # A hair inwards: of two seams that meet at one place, the one that is faced.
         points = start + along[:, None] * (end - start)
-        points += 1e-3 * (self._near[self._seam].mean(axis=1) - points)
+        points += 1e-3 * (self._near.mean(axis=1)[self._seam] - points)
         self._tree = cKDTree(points) if len(points) else None
 
     def beyond(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -59,15 +73,17 @@ class AdjacentFaces:
         return start + s * along + t * inwards
 
 
-def bilinear(image: NDArray, covered: NDArray[np.bool_], at: NDArray[np.float64]) -> tuple[NDArray, NDArray]:
-    """Values (k, c) of ``image`` (h, w, c) at the places ``at`` (k, 2), texels, between the centres of those texels
-    that are ``covered`` (h, w); and how much of the weight (k,) these have, 0 at places that are not finite."""
+def bilinear(
+    images: Sequence[NDArray], covered: NDArray[np.bool_], at: NDArray[np.float64]
+) -> tuple[list[NDArray[np.float64]], NDArray[np.float64]]:
+    """Values (k, c) of each of ``images`` (h, w, c) at the places ``at`` (k, 2), texels, between the centres of those
+    texels that are ``covered`` (h, w); and how much of the weight (k,) these have, 0 at places that are not finite."""
     height, width = covered.shape
     known = np.isfinite(at).all(axis=1)
     at = np.clip(np.where(known[:, None], at, 0.0), -1e6, 1e6) - 0.5
     low = np.floor(at).astype(np.intp)
     share = at - low
-    total, values = np.zeros(len(at)), np.zeros((len(at), image.shape[2]))
+    total, values = np.zeros(len(at)), [np.zeros((len(at), image.shape[2])) for image in images]
     for right in (0, 1):
         for up in (0, 1):
             column, row = low[:, 0] + right, low[:, 1] + up
@@ -76,29 +92,70 @@ def bilinear(image: NDArray, covered: NDArray[np.bool_], at: NDArray[np.float64]
             column, row = np.where(is_in, column, 0), np.where(is_in, row, 0)
             weight *= is_in & covered[row, column]
             total += weight
-            values += weight[:, None] * image[row, column]
-    return values / np.maximum(total, 1e-12)[:, None], total
+            for value, image in zip(values, images, strict=True):
+                value += weight[:, None] * image[row, column]
+    return [value / np.maximum(total, 1e-12)[:, None] for value in values], total
 
 
 def _seams(triangle_uv: NDArray, vertex_triangles: NDArray[np.integer]) -> tuple[NDArray, NDArray]:
     """For each side of each seam, UVs (s, 3, 2) of the edge's ends and of its triangle's third corner, and the same of
     the triangle across; those of the borders of the surface, where there is none, are NaN."""
-    corner = np.arange(3)
-    ends = vertex_triangles[:, np.stack((corner, (corner + 1) % 3), axis=1)].reshape(-1, 2).astype(np.int64)
-    turned = ends[:, 0] > ends[:, 1]
-    uv = np.asarray(triangle_uv, np.float64)[:, np.stack((corner, (corner + 1) % 3, (corner + 2) % 3), axis=1)]
-    uv = uv.reshape(-1, 3, 2)
-    uv[turned, :2] = uv[turned, 1::-1]  # from the lower vertex to the higher, so that both sides agree
-    key = ends.min(axis=1) * (int(vertex_triangles.max(initial=0)) + 1) + ends.max(axis=1)
+    uv, vertex = np.asarray(triangle_uv, np.float64).reshape(-1, 2), vertex_triangles.reshape(-1).astype(np.int64)
+
+    def corners(edge: NDArray) -> NDArray:
+        """The two ends (3, ...) of edges, which begin at corners (...), and the triangle's third corner. From the lower
+        vertex to the higher, so that both sides agree."""
+        following = _following(edge)
+        turned = vertex[edge] > vertex[following]
+        return np.stack((np.where(turned, following, edge), np.where(turned, edge, following), _following(following)))
+
+    start, end, _ = corners(np.arange(len(vertex)))
+    key = vertex[start] * (vertex.max(initial=0) + 1) + vertex[end]
     order = np.argsort(key, kind="stable")
-    _, first, count = np.unique(key[order], return_index=True, return_counts=True)
+    first = np.flatnonzero(np.diff(key[order], prepend=-1))
+    count = np.diff(first, append=len(key))
     one, other = order[first[count == 2]], order[first[count == 2] + 1]
-    split = np.flatnonzero(np.abs(uv[one, :2] - uv[other, :2]).max(axis=(1, 2)) > SAME_UV)
+    gap = np.abs(uv.take(corners(one)[:2], axis=0) - uv.take(corners(other)[:2], axis=0)).max(axis=0)
+    split = np.flatnonzero(np.maximum(gap[:, 0], gap[:, 1]) > SAME_UV)
     one, other = one[split], other[split]
     # An edge of one face has nothing across, and one of many has no one thing.
     border = order[np.repeat(count != 2, count)]
-    near = np.concatenate((uv[one], uv[other], uv[border]))
-    return near, np.concatenate((uv[other], uv[one], np.full_like(uv[border], np.nan)))
+    near, far, alone = (uv.take(corners(edge).T, axis=0) for edge in (one, other, border))
+    return np.concatenate((near, far, alone)), np.concatenate((far, near, np.full_like(alone, np.nan)))
+
+
+def _near_open(near: NDArray, covered: NDArray[np.bool_], reach: float) -> NDArray[np.intp]:
+    """Those of the seams ``near`` (s, 3 corners, 2) that are finite and whose ends' box, ``reach`` larger, holds a
+    texel not ``covered``."""
+    size = covered.shape[::-1]
+    finite = np.flatnonzero(np.isfinite(near).all(axis=(1, 2)))
+    one, other = near[finite, 0], near[finite, 1]
+    low = np.clip(np.floor(np.minimum(one, other) - reach), 0, size).astype(np.intp)
+    high = np.clip(np.ceil(np.maximum(one, other) + reach), 0, size).astype(np.intp)
+    return finite[in_boxes(summed_area(~covered), low[:, 1], high[:, 1], low[:, 0], high[:, 0]) > 0]
+
+
+def _within(start: NDArray, end: NDArray, low: float, high: NDArray) -> tuple[NDArray, NDArray]:
+    """First and last part (s,), in [0, 1], of the ways from ``start`` to ``end`` (s, 2) that lie in the box from
+    ``low`` to ``high`` (2,); the first is greater where none does.
+
+    Liang and Barsky 1984, "A New Concept and Method for Line Clipping".
+    """
+    way = end - start
+    still = np.abs(way) < 1e-300
+    slope = np.where(still, 1.0, way)
+    ends = (low - start) / slope, (high - start) / slope
+    out = still & ((start < low) | (start > high))
+    enter = np.where(still, np.where(out, np.inf, 0.0), np.minimum(*ends))
+    leave = np.where(still, 1.0, np.maximum(*ends))
+    first, last = np.maximum(enter[:, 0], enter[:, 1]), np.minimum(leave[:, 0], leave[:, 1])
+    out = (first > 1.0) | (last < 0.0) | (first > last)
+    return np.where(out, 1.0, np.maximum(first, 0.0)), np.where(out, 0.0, np.minimum(last, 1.0))
+
+
+def _following(corner: NDArray) -> NDArray:
+    """The next corner of the same triangle, of corners that are numbered through."""
+    return np.where(corner % 3 == 2, corner - 2, corner + 1)
 
 
 def _frame(start: NDArray, end: NDArray, inside: NDArray, outwards: bool) -> tuple[NDArray, NDArray]:

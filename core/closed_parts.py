@@ -13,10 +13,11 @@ def in_closed_parts(triangles: NDArray[np.integer], vertices: int) -> NDArray[np
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
-    low, high = np.minimum(triangles, np.roll(triangles, -1, axis=1)), np.maximum(triangles, np.roll(triangles, -1, 1))
-    edge, count = np.unique(low.astype(np.int64) * vertices + high, return_counts=True)
-    start, end = np.divmod(edge, vertices)
-    _, part = connected_components(coo_matrix((np.ones(len(edge), bool), (start, end)), (vertices, vertices)), False)
+    start, end = triangles.reshape(-1), np.roll(triangles, -1, axis=1).reshape(-1)
+    ends = np.minimum(start, end), np.maximum(start, end)
+    # One entry an edge, the number of its triangles.
+    edges = coo_matrix((np.ones(len(start), np.int32), ends), (vertices, vertices)).tocsr()
+    _, part = connected_components(edges, directed=False)
     has_border = np.zeros(vertices, bool)
-    has_border[part[start[count % 2 > 0]]] = True
+    has_border[part[edges.indices[edges.data % 2 > 0]]] = True
     return ~has_border[part[triangles[:, 0]]]

@@ -46,13 +46,13 @@ def extend_margin(
         away = np.square(from_row - (row + inner.start)) + np.square(from_column - column)
         rim = away <= margin * margin
         row, column, from_row, from_column = row[rim] + first, column[rim], from_row[rim] + low, from_column[rim]
-        across = None if faces is None else faces.beyond(column + 0.5, row + 0.5)
         for image in images:
             image[row, column] = image[from_row, from_column]
-            if across is not None:
-                values, share = bilinear(image, covered, across)
-                found = np.flatnonzero(share > ENOUGH)
-                image[row[found], column[found]] = values[found]
+        if faces is not None:
+            values, share = bilinear(images, covered, faces.beyond(column + 0.5, row + 0.5))
+            found = np.flatnonzero(share > ENOUGH)
+            for image, value in zip(images, values, strict=True):
+                image[row[found], column[found]] = value[found]
 
     with Workers(threads) as workers:
         workers.map(extend, range(0, len(covered), rows))

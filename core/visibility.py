@@ -151,10 +151,12 @@ def trace_visibility(
             by_place = visible.reshape(count, places, -1).swapaxes(0, 1)
             np.matmul(by_place, weights, out=sums[part, :, :sky].swapaxes(0, 1))
             if not obscurance.ignore_backfaces:
-                dark = np.flatnonzero(~visible.reshape(count * places, -1).any(axis=1))
-                chosen = (dark[:, None] * rays_per_place + probes).reshape(-1)
-                inside = occluders.see_inside(*(each.take(chosen, axis=0) for each in rays))
-                lost[part].reshape(-1)[dark] |= inside.reshape(len(dark), len(probes)).all(axis=1)
+                dark = np.flatnonzero(sums[part, :, 1] == 0.0)
+                for some in (probes[:1], probes[1:]):  # of most places in the dark the first ray sees a front
+                    chosen = (dark[:, None] * rays_per_place + some).reshape(-1)
+                    inside = occluders.see_inside(*(each.take(chosen, axis=0) for each in rays))
+                    dark = dark[inside.reshape(len(dark), len(some)).all(axis=1)]
+                lost[part].reshape(-1)[dark] = True
             return count
 
         def sum_up(part: slice) -> int:

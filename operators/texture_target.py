@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from dataclasses import dataclass, replace
+from functools import partial
 
 import bpy
 import numpy as np
@@ -69,7 +70,7 @@ def bake_texture(
             cage = CornerTable(replace(surface, vertices=projection.cage))
     texels = expected_texels(triangle_uv, settings.resolution, len(numbers))
     begin = tracer.light_share(texels)
-    lighting = tracer.light(spread_points(shown, PROBES), texels, extent)
+    lighting = tracer.light(partial(spread_points, shown, PROBES), texels, extent)
     cache = yield from mapped(lighting, lambda done: begin * done)
     places, maps = (triangle_uv, corners, cage, projection), (albedo, bent_normals)
     baker = _TileBaker(surface, *places, tracer, cache, extent, linear_inverse(matrix), *maps, settings, threads)
@@ -163,7 +164,7 @@ class _TileBaker:
         tile = Tile(images, None if colours is None else colours.reshape(size, size, 3))
         faces = None
         if self.settings.margin and self.settings.margin_type == "ADJACENT_FACES":
-            faces = AdjacentFaces(triangle_uv, self.surface.vertex_triangles, size, size)
+            faces = AdjacentFaces(triangle_uv, self.surface.vertex_triangles, covered, self.settings.margin)
         # Across a seam the tangent space is another one.
         local = {BENT_NORMAL} if self.bent_normals is not None and self.bent_normals.is_tangent else set()
         extended = [images[channel] for channel in images.keys() - local]

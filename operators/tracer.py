@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from dataclasses import dataclass
 
 import numpy as np
@@ -58,14 +58,16 @@ class Tracer:
         light = light_rays(rays)
         return light / (light + rays)
 
-    def light(self, probes: SurfacePoints, points: int, extent: float) -> Generator[float, None, LightCache | None]:
-        """The light around a bake of so many ``points`` that are like ``probes``; yields the fraction done. None where
-        the bounces are fitted."""
+    def light(
+        self, probes: Callable[[], SurfacePoints], points: int, extent: float
+    ) -> Generator[float, None, LightCache | None]:
+        """The light around a bake of so many ``points`` that are like those ``probes`` makes; yields the fraction done.
+        None where the bounces are fitted."""
         if self.settings.bounces == "FITTED":
             return None
         rays = points * self.settings.samples
-        building = build_light_cache(self.occluders, probes, rays, extent=extent, albedo=self.albedo, **self._common())
-        return (yield from building)
+        common = {"extent": extent, "albedo": self.albedo, **self._common()}
+        return (yield from build_light_cache(self.occluders, probes(), rays, **common))
 
     def visibility(
         self, points: SamplePoints, extent: float, cache: LightCache | None

@@ -30,7 +30,8 @@ def uv_map_name(mesh: bpy.types.Mesh, wanted: str) -> str:
 def touched_tiles(triangle_uv: NDArray[np.float64]) -> list[int]:
     """The UDIM tiles that the boxes of triangles (m, 3, 2) reach into: tile 1001 + u + 10 v is the unit square at u in
     0 to 9 and v in 0 to 99."""
-    low, high = triangle_uv.min(axis=1) + REACH, triangle_uv.max(axis=1) - REACH
+    low, high = _reach(triangle_uv)
+    low, high = low + REACH, high - REACH
     some = np.isfinite(low).all(axis=1) & np.isfinite(high).all(axis=1) & (low < high).all(axis=1)
     boxes = np.floor(np.column_stack((low[some], high[some])))
     boxes = np.clip(boxes, -1, [*COLUMNS_ROWS, *COLUMNS_ROWS]).astype(np.intp)
@@ -54,7 +55,7 @@ def check_layout(triangle_uv: NDArray[np.float64], uv_map: str, has_tiles: bool 
     # Of the whole 0-1 tile; less than a texel of the largest image.
     if not np.nansum(np.where(np.isfinite(area), area, 0.0)) > 1e-10:
         raise BakeError(f"has no area in UV map '{uv_map}': {UNWRAP}")
-    low, high = triangle_uv.min(axis=1), triangle_uv.max(axis=1)
+    low, high = _reach(triangle_uv)
     end = np.array(COLUMNS_ROWS if has_tiles else (1, 1))
     where = "the UDIM tiles" if has_tiles else "the 0-1 tile"
     remedy = "pack its islands (UV > Pack Islands)" + ("" if has_tiles else ", or bake UDIM tiles")
@@ -78,7 +79,8 @@ def overlaps(triangle_uv: NDArray[np.float64], covered: int, size: int, has_tile
     Those are all that the layout touches, so a layout without overlap never has.
     """
     end = COLUMNS_ROWS if has_tiles else (1, 1)
-    inside = (triangle_uv.min(axis=1) >= 0.0).all(axis=1) & (triangle_uv.max(axis=1) <= end).all(axis=1)
+    low, high = _reach(triangle_uv)
+    inside = (low >= 0.0).all(axis=1) & (high <= end).all(axis=1)
     return bool(_area(triangle_uv[inside]).sum() * size * size > 1.001 * covered)
 
 
@@ -89,5 +91,11 @@ def expected_texels(triangle_uv: NDArray[np.float64], size: int, tiles: int = 1)
 
 def _area(triangle_uv: NDArray[np.float64]) -> NDArray[np.float64]:
     """Area (m,) of triangles (m, 3, 2)."""
+    (ax, bx, cx), (ay, by, cy) = np.ascontiguousarray(triangle_uv.T)
+    return 0.5 * np.abs((bx - ax) * (cy - ay) - (by - ay) * (cx - ax))
+
+
+def _reach(triangle_uv: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Lowest and highest coordinates (m, 2) of triangles (m, 3, 2). Numpy's own min runs along three at a time."""
     a, b, c = np.moveaxis(triangle_uv, 1, 0)
-    return 0.5 * np.abs((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
+    return np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)

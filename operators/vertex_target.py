@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from dataclasses import dataclass, replace
+from functools import partial
 
 import bpy
 import numpy as np
@@ -95,12 +96,12 @@ def bake_vertices(
             "Modifiers change the topology: the original vertices were baked at the nearest point of the modified "
             f"surface, {away}"
         )
-    starts = SurfacePoints(points.positions, points.normals, points.lift)
-    probes, extent = starts, points.extent
+    on_surface = SurfacePoints(points.positions, points.normals, points.lift)
+    starts, probes, extent = on_surface, lambda: on_surface, points.extent
     if projection is not None:
         cage = None if points.cage is None else SurfacePoints(points.cage, points.normals)
         starts = ProjectedPoints(starts, projection.high, cage)
-        probes, extent = spread_points(projection.high.corners, PROBES), projection.high.extent
+        probes, extent = partial(spread_points, projection.high.corners, PROBES), projection.high.extent
     begin = tracer.light_share(len(starts))
     cache = yield from mapped(tracer.light(probes, len(starts), extent), lambda done: begin * done)
     tracing = tracer.visibility(starts, extent, cache)
