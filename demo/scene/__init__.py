@@ -45,4 +45,6 @@ def build() -> Ruin:
     ]
     rubble.add_instances(heap, [(-1.45, -0.75, 0.45), (3.1, -0.7, -0.5)])
     stage.add_camera()
-    return Ruin(vertex_objects, [alcove.add_inside(plaster)], urn.add(glaze), ground_objects, stage.add_sun())
+    ruin = Ruin(vertex_objects, [alcove.add_inside(plaster)], urn.add(glaze), ground_objects, stage.add_sun())
+    bpy.context.view_layer.update()  # until then what was made last cannot be selected
+    return ruin
