@@ -12,6 +12,7 @@ from .settings import BakeSettings
 # Four floats a texel of an image. While one is stored, Blender or OpenEXR hold it twice more.
 IMAGE = 16
 STORING = 2 * IMAGE
+COLOURED = 52  # for the coloured map, while it is made and written
 # Which texels are covered, and which known; the base colour in float32.
 MASKS, COLOUR = 2, 12
 # Of a band of texels and its rays, whatever the resolution; of the triangles' UVs and seams.
@@ -27,6 +28,8 @@ def needed_memory(settings: BakeSettings, tiles: int, triangles: int) -> float:
     images = IMAGE * (len(CHANNELS[settings.bounces]) + settings.use_bent_normal_map) + colour
     # Maps get an alpha first.
     storing = STORING + IMAGE * (settings.map_format == "OPEN_EXR" and bool(map_names(settings)))
+    if settings.use_colored_ao_map:
+        storing = max(storing, COLOURED)
     return tiles * texels * images + max(texels * MASKS + BAND, texels * storing) + TRIANGLE * triangles
 
 

@@ -2,6 +2,11 @@
 """What a bake says of the memory it needs, and that it is refused where there is less."""
 
 import re
+import tracemalloc
+
+import bpy
+import numpy as np
+import pytest
 
 from core.memory import _linux, free_memory
 
@@ -34,6 +39,23 @@ def test_a_bake_that_cannot_fit_is_refused_with_the_numbers(monkeypatch):
     change_settings(use_bent_normal_map=False)
     monkeypatch.setattr(memory, "free_memory", lambda: None)  # a system that does not tell
     assert reports(obj, **MADE, resolution=8)[0].error is None
+
+
+@pytest.mark.parametrize("map_format", ["PNG_8", "PNG_16", "OPEN_EXR"])
+def test_what_the_coloured_map_takes(map_format, tmp_path):
+    maps, memory, names = operators("derived_maps"), operators("texture_memory"), operators("names")
+    change_settings(map_format=map_format, use_colored_ao_map=True)
+    settings = operators("settings").BakeSettings.of(bpy.context.scene)
+    side = 1024
+    channels = {names.MULTIBOUNCE_AO: np.full((side, side, 4), 0.3, np.float32)}
+    albedo = np.full((side, side, 3), 0.5, np.float32)
+    tracemalloc.start()
+    pixels = maps.derive(names.COLORED_AO_MAP, channels, albedo)
+    maps.write_map(tmp_path / "map", names.COLORED_AO_MAP, pixels, settings, {})
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    print(f"{map_format}: {peak / side**2:.1f} bytes a texel")
+    assert peak <= memory.COLOURED * side**2
 
 
 def test_what_is_much_is_said_at_the_start(monkeypatch, capsys):
