@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 import time
+from functools import partial
 
 import numpy as np
 import OpenEXR
@@ -101,7 +102,9 @@ def test_killed_at_ten_random_moments(tmp_path):
         for name in ("one.exr", "two.exr"):
             write_exr(folder / name, np.zeros((256, 256, 4), np.float32))
     command = [sys.executable, "-c", WRITER, str(source_folder())]
-    writers = [subprocess.Popen([*command, str(tmp_path / str(n))], stdout=subprocess.PIPE) for n in range(10)]
+    # In Blender the wheels' folder is on its own path only.
+    run = partial(subprocess.Popen, stdout=subprocess.PIPE, env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)})
+    writers = [run([*command, str(tmp_path / str(n))]) for n in range(10)]
     for number, writer in enumerate(writers):
         with writer:
             assert writer.stdout.readline() == b"written\n"
