@@ -13,7 +13,7 @@ import bpy
 
 from .command_files import UsageError, begin_files
 from .progress import Progress, StderrProgress
-from .settings import set_from_text
+from .settings_text import set_from_text
 
 DONE, NOT_ALL_DONE, WRONG_USAGE = 0, 1, 2
 
