@@ -16,6 +16,7 @@ from typing import Protocol
 
 import bpy
 
+from ..core.whole_files import whole_files
 from .report import bake_report
 from .version import extension_version
 
@@ -107,14 +108,10 @@ def _check_writable(option: str, path: Path, make: bool) -> None:
 
 def write_report(path: Path, report: dict) -> bool:
     """Write all of it or nothing; prints why where it cannot be."""
-    unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        unfinished.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
-        os.replace(unfinished, path)
+        with whole_files(path) as (unfinished,):
+            unfinished.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
     except OSError as error:
         print(f"Error: the report '{path}' cannot be written: {error.strerror}", file=sys.stderr)
         return False
-    finally:
-        with suppress(OSError):
-            unfinished.unlink(missing_ok=True)
     return True
