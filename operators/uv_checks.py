@@ -15,6 +15,7 @@ from ..core.rasterise import rasterise
 from ..core.workers import calling, giving_way, in_thread
 from .mesh_reader import read, read_triangles
 from .uv_layout import expected_texels, overlaps, touched_tiles
+from .viewports import redraw_viewports
 
 # Side of the image that overlaps are looked for in: small ones are found by the bake alone.
 SIZE = 512
@@ -67,7 +68,7 @@ def _go_on() -> float | None:
             next(_work)
     except StopIteration:
         _work = None
-        _redraw()
+        redraw_viewports(bpy.context.window_manager)
     return TICK if _wanted or _work else None
 
 
@@ -83,13 +84,6 @@ def _begin() -> Generator[float, None, None]:
     found = yield from in_thread(calling(check_layout, uv[read_triangles(mesh)]))
     if key in _known:  # else it has changed meanwhile
         _known[key] = found
-
-
-def _redraw() -> None:
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
 
 
 @bpy.app.handlers.persistent

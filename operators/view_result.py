@@ -13,6 +13,7 @@ from .images import recorded_images
 from .mesh_reader import evaluated_mesh, read, read_corner_vertices, read_positions, read_triangles
 from .names import BENT_CONE, MULTIBOUNCE_AO, PROPERTY, RADIOSITY
 from .uv_layout import in_tile
+from .viewports import redraw_viewports
 
 VIEWS = (
     ("OFF", "Off", "Show the viewport as it is"),
@@ -187,10 +188,7 @@ def _changed(manager: bpy.types.WindowManager, context: bpy.types.Context) -> No
     elif not wanted and _overlay is not None:
         _overlay.remove()
         _overlay = None
-    for window in manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
+    redraw_viewports(manager)
 
 
 @bpy.app.handlers.persistent
