@@ -16,6 +16,8 @@ from .scan_conversion import in_boxes, summed_area
 
 # UV coordinates that differ by less are one place.
 SAME_UV = 1e-6
+# Part of the length of a seam, and of the way to the middle of its triangle.
+HAIR = 1e-3
 # At most so many points, in all, stand for seams: one a texel, or fewer.
 MOST_POINTS = 2**23
 
@@ -49,52 +51,70 @@ class AdjacentFaces:
         count = np.where(first <= last, np.ceil(last * steps).astype(np.intp) - start + 1, 0)
         self._seam = np.repeat(np.arange(len(length)), count)
         along = np.arange(len(self._seam)) + np.repeat(start - (np.cumsum(count) - count), count)
-        along = along / np.maximum(steps, 1.0)[self._seam]
+        # Where seams meet, the points of each lie a hair away from there: of two, the one that is faced is nearer.
+        along = np.clip(along / np.maximum(steps, 1.0)[self._seam], HAIR, 1.0 - HAIR)
         start, end = self._near[self._seam, 0], self._near[self._seam, 1]
         # A hair inwards: of two seams that meet at one place, the one that is faced.
         points = start + along[:, None] * (end - start)
         points += 1e-3 * (self._near.mean(axis=1)[self._seam] - points)
-        self._tree = cKDTree(points) if len(points) else None
+        # Built fast: it is asked for little more than the texels next to islands.
+        self._tree = cKDTree(points, balanced_tree=False, compact_nodes=False) if len(points) else None
+        self._across = _across(self._near, self._far)
 
-    def beyond(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Where in the image (k, 2), in texels, the surface goes on at the places ``x``, ``y`` (k,) outside of islands;
-        NaN where the nearest border is one of the surface itself."""
-        if self._tree is None or not len(x):
-            return np.full((len(x), 2), np.nan)
-        at = np.column_stack((x, y))
-        seam = self._seam[self._tree.query(at)[1]]
-        start, end, inside = np.moveaxis(self._near[seam], 1, 0)
-        along, out = _frame(start, end, inside, outwards=True)
-        square = np.maximum(np.einsum("kx,kx->k", along, along), 1e-300)[:, None]
-        s = np.einsum("kx,kx->k", at - start, along)[:, None] / square
-        t = np.einsum("kx,kx->k", at - start, out)[:, None] / square
-        start, end, inside = np.moveaxis(self._far[seam], 1, 0)
-        along, inwards = _frame(start, end, inside, outwards=False)
-        return start + s * along + t * inwards
+    def nearest(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.intp]:
+        """The seam (k,), or border of the surface itself, that is nearest to the places ``x``, ``y`` (k,), in texels,
+        outside of islands; -1 where there is none at all."""
+        if self._tree is None:
+            return np.full(len(x), -1)
+        return self._seam[self._tree.query(np.column_stack((x, y)))[1]]
+
+    def beyond(
+        self, seam: NDArray[np.intp], x: NDArray[np.float64], y: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Where in the image (2, k), in texels, the surface goes on at the places ``x``, ``y`` (k,) beyond each
+        ``seam`` (k,); NaN beyond borders of the surface itself."""
+        if self._tree is None:
+            return np.full((2, len(x)), np.nan)
+        return np.stack([row[0].take(seam) * x + row[1].take(seam) * y + row[2].take(seam) for row in self._across])
 
 
 def bilinear(
-    images: Sequence[NDArray], covered: NDArray[np.bool_], at: NDArray[np.float64]
-) -> tuple[list[NDArray[np.float64]], NDArray[np.float64]]:
-    """Values (k, c) of each of ``images`` (h, w, c) at the places ``at`` (k, 2), texels, between the centres of those
-    texels that are ``covered`` (h, w); and how much of the weight (k,) these have, 0 at places that are not finite."""
+    images: Sequence[NDArray[np.float32]], covered: NDArray[np.bool_], at: NDArray[np.float64]
+) -> tuple[list[NDArray[np.float32]], NDArray[np.float32]]:
+    """Values (k, c) of each of ``images`` (h, w, c) at the places ``at`` (2, k), texels, between the centres of those
+    texels that are ``covered`` (h, w); and how much of the weight (k,) these have."""
     height, width = covered.shape
-    known = np.isfinite(at).all(axis=1)
-    at = np.clip(np.where(known[:, None], at, 0.0), -1e6, 1e6) - 0.5
-    low = np.floor(at).astype(np.intp)
-    share = at - low
-    total, values = np.zeros(len(at)), [np.zeros((len(at), image.shape[2])) for image in images]
-    for right in (0, 1):
-        for up in (0, 1):
-            column, row = low[:, 0] + right, low[:, 1] + up
-            weight = np.abs(1 - right - share[:, 0]) * np.abs(1 - up - share[:, 1]) * known
+    # What is further outside has no covered texel around it either.
+    x, y = (np.clip(each, -1.0, size + 1.0) - 0.5 for each, size in zip(at, (width, height), strict=True))
+    left, below = np.floor(x), np.floor(y)
+    across, up = ((each - low).astype(np.float32) for each, low in ((x, left), (y, below)))
+    left, below = left.astype(np.intp), below.astype(np.intp)
+    pixels, covered = [image.reshape(width * height, -1) for image in images], covered.reshape(-1)
+    total, values = np.zeros(len(x), np.float32), [np.zeros((len(x), each.shape[1]), np.float32) for each in pixels]
+    for row, vertical in ((below, 1.0 - up), (below + 1, up)):
+        for column, horizontal in ((left, 1.0 - across), (left + 1, across)):
             is_in = (column >= 0) & (column < width) & (row >= 0) & (row < height)
-            column, row = np.where(is_in, column, 0), np.where(is_in, row, 0)
-            weight *= is_in & covered[row, column]
+            texel = np.where(is_in, row * width + column, 0)
+            weight = horizontal * vertical * (is_in & covered.take(texel))
             total += weight
-            for value, image in zip(values, images, strict=True):
-                value += weight[:, None] * image[row, column]
-    return [value / np.maximum(total, 1e-12)[:, None] for value in values], total
+            for value, image in zip(values, pixels, strict=True):
+                value += weight[:, None] * image.take(texel, axis=0)
+    for value in values:
+        value /= np.maximum(total, np.finfo(np.float32).tiny)[:, None]
+    return values, total
+
+
+def _across(near: NDArray[np.float64], far: NDArray[np.float64]) -> NDArray[np.float64]:
+    """For each seam, of which one side is ``near`` and the other ``far`` (s, 3 corners, 2), the map (2, 3, s) from
+    (x, y, 1) beyond the one to what lies there inside of the other."""
+    start, end, inside = np.moveaxis(near, 1, 0)
+    along, out = _frame(start, end, inside, outwards=True)
+    square = np.maximum(np.einsum("sx,sx->s", along, along), 1e-300)[:, None]
+    far_start, far_end, far_inside = np.moveaxis(far, 1, 0)
+    far_along, far_in = _frame(far_start, far_end, far_inside, outwards=False)
+    turned = np.einsum("sa,sb->abs", far_along, along / square) + np.einsum("sa,sb->abs", far_in, out / square)
+    moved = far_start.T - np.einsum("abs,sb->as", turned, start)
+    return np.concatenate((turned, moved[:, None]), axis=1)
 
 
 def _seams(triangle_uv: NDArray, vertex_triangles: NDArray[np.integer]) -> tuple[NDArray, NDArray]:

@@ -48,11 +48,34 @@ def extend_margin(
         row, column, from_row, from_column = row[rim] + first, column[rim], from_row[rim] + low, from_column[rim]
         for image in images:
             image[row, column] = image[from_row, from_column]
-        if faces is not None:
-            values, share = bilinear(images, covered, faces.beyond(column + 0.5, row + 0.5))
+        if faces is not None and len(row):
+            seam = _nearest_seam(faces, row, column, from_row, from_column, covered.shape[1])
+            at = faces.beyond(seam, column + 0.5, row + 0.5)
+            goes_on = np.flatnonzero(np.isfinite(at).all(axis=0))
+            values, share = bilinear(images, covered, at[:, goes_on])
             found = np.flatnonzero(share > ENOUGH)
+            row, column = row[goes_on[found]], column[goes_on[found]]
             for image, value in zip(images, values, strict=True):
-                image[row[found], column[found]] = value[found]
+                image[row, column] = value[found]
 
     with Workers(threads) as workers:
         workers.map(extend, range(0, len(covered), rows))
+
+
+def _nearest_seam(
+    faces: AdjacentFaces, row: NDArray, column: NDArray, from_row: NDArray, from_column: NDArray, width: int
+) -> NDArray[np.intp]:
+    """The seam (k,) that texels (k,) of an image lie beyond, the nearest covered one to each given: exact for the texels
+    next to islands, which filters read. Those further out take the seam of the one that lies between."""
+    up, right = row - from_row, column - from_column
+    half = 0.5 * np.maximum(np.abs(up), np.abs(right))
+    beside = (from_row + np.sign(up) * (np.abs(up) >= half)) * width
+    beside += from_column + np.sign(right) * (np.abs(right) >= half)
+    lowest = beside.min()
+    is_asked = np.zeros(beside.max() - lowest + 1, bool)
+    is_asked[beside - lowest] = True
+    asked = np.flatnonzero(is_asked)
+    number = np.empty(len(is_asked), np.intp)
+    number[asked] = np.arange(len(asked))
+    at = np.divmod(asked + lowest, width)
+    return faces.nearest(at[1] + 0.5, at[0] + 0.5)[number[beside - lowest]]
