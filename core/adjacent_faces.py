@@ -68,9 +68,7 @@ class AdjacentFaces:
             return np.full(len(x), -1)
         return self._seam[self._tree.query(np.column_stack((x, y)))[1]]
 
-    def beyond(
-        self, seam: NDArray[np.intp], x: NDArray[np.float64], y: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def beyond(self, seam: NDArray[np.intp], x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
         """Where in the image (2, k), in texels, the surface goes on at the places ``x``, ``y`` (k,) beyond each
         ``seam`` (k,); NaN beyond borders of the surface itself."""
         if self._tree is None:

@@ -65,8 +65,8 @@ def extend_margin(
 def _nearest_seam(
     faces: AdjacentFaces, row: NDArray, column: NDArray, from_row: NDArray, from_column: NDArray, width: int
 ) -> NDArray[np.intp]:
-    """The seam (k,) that texels (k,) of an image lie beyond, the nearest covered one to each given: exact for the texels
-    next to islands, which filters read. Those further out take the seam of the one that lies between."""
+    """The seam (k,) that texels (k,) of an image lie beyond, with the nearest covered one to each given. The nearest
+    seam of those next to islands, which filters read; those further out take that of the one that lies between."""
     up, right = row - from_row, column - from_column
     half = 0.5 * np.maximum(np.abs(up), np.abs(right))
     beside = (from_row + np.sign(up) * (np.abs(up) >= half)) * width
