@@ -13,7 +13,7 @@ from .cells import NONE, Cells, find_in, side_of
 from .morton import morton_order
 from .rays import Obscurance, Occluders
 from .sample_points import SurfacePoints
-from .sampling import carried_frames, deal, hemisphere_pattern, turns
+from .sampling import carried_frames, deal, frames, hemisphere_pattern, turns
 from .workers import Workers, slices
 
 PROBE_RAYS = 16  # for each cell that is wanted
@@ -92,8 +92,8 @@ class Pieces:
         return sums / self.count[:, None]
 
     def starts(self, part: slice) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Positions and normals (3, b, CELL_PLACES) of hits all over each of the cells of ``part``."""
-        index = self.start[part, None] + np.arange(CELL_PLACES) * self.count[part, None] // CELL_PLACES
+        """Positions and normals (3, CELL_PLACES, b) of hits all over each of the cells of ``part``."""
+        index = self.start[part] + np.arange(CELL_PLACES)[:, None] * self.count[part] // CELL_PLACES
         return tuple(np.moveaxis(each[index], 2, 0).astype(np.float64) for each in (self.met.position, self.met.normal))
 
 
@@ -129,8 +129,9 @@ class CellRays:
             number = pieces.first + np.arange(part.start, part.stop)
             positions, normals = pieces.starts(part)
             frame = carried_frames(normals, turns(number, self.seed ^ CELL_SEED))
+            frame = np.ascontiguousarray(np.moveaxis(frame, 3, 0))
             turned = np.matmul(directions[number % PATTERNS], frame).reshape(-1, 3)
-            start = np.moveaxis(self.occluders.off_surface(positions, normals, self.extent), 0, 2).astype(np.float32)
+            start = self.occluders.off_surface(positions, normals, self.extent).T.astype(np.float32, order="C")
             origins = np.repeat(start.reshape(-1, 3), directions.shape[2], axis=0)
             visible, met = self.met(origins, turned, first=part.start * rays)
             target = np.full(len(origins), NONE, np.int32)
@@ -158,9 +159,9 @@ def seen_from(trace: CellRays, probes: SurfacePoints, wanted: int) -> Generator[
 
     def seen(part: slice) -> Met:
         positions, normals, *_ = probes.at(order[part])
-        frame = carried_frames(normals, turns(order[part], trace.seed ^ PROBE_SEED))[:, 0]
+        frame = frames(normals[:, 0], turns(order[part], trace.seed ^ PROBE_SEED))
         directions = np.matmul(local, frame).reshape(-1, 3)
-        start = trace.occluders.origins(positions, normals, trace.extent)[:, :, 0].T.astype(np.float32)
+        start = trace.occluders.origins(positions, normals, trace.extent)[:, 0].T.astype(np.float32)
         _, met = trace.met(np.repeat(start, rays, axis=0), directions, first=part.start * rays)
         return met
 

@@ -141,16 +141,21 @@ class Occluders:
     def lift(self, origins: NDArray[np.float64], normals: NDArray, height: NDArray, extent: float) -> None:
         """Move ``origins`` (3, ...) from :meth:`origins` in place along ``normals`` (3, ...), by ``height`` (...) in
         world units, but at most half way to what is there. Less than the offset they have already is left out."""
-        height = height * self.scale
-        raised = np.nonzero(height > OFFSET * extent * self.scale)
-        if not len(raised[0]):
+        height = height.reshape(-1) * self.scale
+        raised = np.flatnonzero(height > OFFSET * extent * self.scale)
+        if not len(raised):
             return
-        index = (slice(None), *raised)
-        rays = [np.ascontiguousarray(each[index].T, np.float32) for each in (origins, normals)]
-        free = self._first(*rays) if len(self.triangles) else np.full(len(rays[0]), np.inf)
+        height = height.take(raised)
+        at, along = (each.reshape(3, -1).take(raised, axis=1) for each in (origins, normals))
+        rays = [each.T.astype(np.float32, order="C") for each in (at, along)]
+        # What is further than twice the height leaves it as it is, and short rays are fast.
+        reach = (2.0 * height).astype(np.float32)
+        free = self._scene.run(*rays, dists=reach.copy(), query="DISTANCE") if len(self.triangles) else reach
+        height = np.where(free < reach, 0.5 * free, height)
         if self.ground_height is not None:
-            free = np.minimum(free, self._ground(*rays) * self.scale)
-        origins[index] += np.minimum(height[raised], 0.5 * free) * normals[index]
+            height = np.minimum(height, 0.5 * self.scale * self._ground(*rays))
+        for position, step in zip(origins, height * along, strict=True):
+            position.reshape(-1)[raised] += step
 
     def visibility(
         self,

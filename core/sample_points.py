@@ -31,14 +31,14 @@ PLASTIC = 1.32471795724474602596
 class Start(NamedTuple):
     """Where the rays of some points start, at all their places.
 
-    positions, normals  (3, b, places) float64, world space; unit normals
-    lift                (b, places) float64, how far along those normals (:mod:`core.terminator`); None: nowhere
-    missing             (b, places) bool, places that have no surface; None: all have
+    positions, normals  (3, places, b) float64, world space; unit normals
+    lift                (places, b) float, how far along those normals (:mod:`core.terminator`); None: nowhere
+    missing             (places, b) bool, places that have no surface; None: all have
     """
 
     positions: NDArray[np.float64]
     normals: NDArray[np.float64]
-    lift: NDArray[np.float64] | None = None
+    lift: NDArray[np.floating] | None = None
     missing: NDArray[np.bool_] | None = None
 
 
@@ -83,8 +83,8 @@ class SurfacePoints:
         return block
 
     def at(self, block: NDArray[np.intp]) -> Start:
-        lift = None if self._lift is None else self._lift[block][:, None]
-        return Start(self.positions[block].T[:, :, None], self.normals[block].T[:, :, None], lift)
+        lift = None if self._lift is None else self._lift[None, block]
+        return Start(self.positions[block].T[:, None], self.normals[block].T[:, None], lift)
 
 
 class TexelPoints:
@@ -107,8 +107,8 @@ class TexelPoints:
         return self._texels.texel[block]
 
     def at(self, block: NDArray[np.intp]) -> Start:
-        v, w = np.moveaxis(self._texels.weights[block], 2, 0).astype(np.float64)
-        return self._corners.start(self._texels.triangle[block], v, w)
+        v, w = self._texels.weights[block].T.astype(np.float64, order="C")
+        return self._corners.start(self._texels.triangle[block].T.astype(np.intp, order="C"), v, w)
 
 
 def spread_points(corners: CornerTable, count: int) -> SurfacePoints:
@@ -164,10 +164,22 @@ class CornerTable:
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Positions and unit normals, each (3, ...), at the barycentric weights ``v`` and ``w`` of the second and third
         corner, kept off the triangles' edges by :data:`INSET`. All arguments have one shape (...)."""
-        v, w = _inset(v), _inset(w)
+        return self._at(triangle.astype(np.intp, copy=False), _inset(v), _inset(w))
+
+    def start(self, triangle: NDArray[np.integer], v: NDArray[np.float64], w: NDArray[np.float64]) -> Start:
+        """Where rays from the points of :meth:`at` start."""
+        triangle, v, w = triangle.astype(np.intp, copy=False), _inset(v), _inset(w)
+        positions, normals = self._at(triangle, v, w)
+        if self._terminator.is_flat:
+            return Start(positions, normals)
+        highest, most = self._terminator.heights(triangle, v, w)
+        if self._polygons:
+            self._polygons.raise_highest(highest, triangle, positions, normals)
+        return Start(positions, normals, np.maximum(np.minimum(highest, most, out=highest), 0.0, out=highest))
+
+    def _at(self, triangle, v, w) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         u = 1.0 - v - w
-        triangle = triangle.astype(np.intp, copy=False)
-        positions, normals = self._interpolate(self._positions, triangle, u, v, w), None
+        positions = self._interpolate(self._positions, triangle, u, v, w)
         normals = self._interpolate(self._normals, triangle, u, v, w)
         length = np.sqrt(np.square(normals).sum(axis=0))
         flat = length < 1e-6
@@ -179,16 +191,6 @@ class CornerTable:
         normals /= np.maximum(length, 1e-30)
         normals[2][length < 1e-30] = 1.0
         return positions, normals
-
-    def start(self, triangle: NDArray[np.integer], v: NDArray[np.float64], w: NDArray[np.float64]) -> Start:
-        """Where rays from the points of :meth:`at` start."""
-        positions, normals = self.at(triangle, v, w)
-        if self._terminator.is_flat:
-            return Start(positions, normals)
-        highest, most = self._terminator.heights(triangle.astype(np.intp, copy=False), _inset(v), _inset(w))
-        if self._polygons:
-            self._polygons.raise_highest(highest, triangle, positions, normals)
-        return Start(positions, normals, np.maximum(np.minimum(highest, most, out=highest), 0.0, out=highest))
 
     @staticmethod
     def _interpolate(table, triangle, u, v, w) -> NDArray[np.float64]:

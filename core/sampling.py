@@ -137,47 +137,50 @@ def _pcg_hash(x: NDArray[np.uint32]) -> NDArray[np.uint32]:
 
 
 def frames(normals: NDArray, turn: NDArray) -> NDArray[np.float32]:
-    """Orthonormal frames about unit ``normals`` (3, ...), turned by ``turn`` (...) radians, which broadcasts.
+    """Orthonormal frames about unit ``normals`` (3, ...), turned by ``turn`` (...) radians.
 
-    Shape (..., 3, 3), rows x, y, z = normal: ``pattern @ frame`` takes local directions to the world. Tangents by Duff
-    et al. 2017, "Building an Orthonormal Basis, Revisited".
+    Shape (..., 3, 3), rows x, y, z = normal: ``pattern @ frame`` takes local directions to the world.
     """
-    x, y, z = normals
-    sign = np.copysign(1.0, z)
-    a = -1.0 / (sign + z)
-    b = x * y * a
-    tangent = (1.0 + sign * x * x * a, sign * b, -sign * x)
-    bitangent = (b, sign + y * y * a, -y)
-    cos, sin = np.cos(turn), np.sin(turn)
-    result = np.empty((*x.shape, 3, 3), np.float32)
-    for axis in range(3):
-        result[..., 0, axis] = cos * tangent[axis] + sin * bitangent[axis]
-        result[..., 1, axis] = cos * bitangent[axis] - sin * tangent[axis]
-        result[..., 2, axis] = normals[axis]
-    return result
+    return np.ascontiguousarray(np.moveaxis(_axes(normals, turn), (0, 1), (-2, -1)))
 
 
 def carried_frames(normals: NDArray, turn: NDArray) -> NDArray[np.float32]:
-    """Frames (b, K, 3, 3) of b points with K places each, unit ``normals`` (3, b, K), turned by ``turn`` (b,).
+    """Frames (K, 3, 3, b) of b points with K places each, unit ``normals`` (3, K, b), turned by ``turn`` (b,).
 
     The first place's frame is carried to the others by the shortest rotation between their normals, so that directions
     dealt out among the places stay one pattern. Tangents of their own would turn against each other: no field of
     tangents on the sphere is smooth everywhere.
     """
-    first = normals[:, :, :1]
-    result = np.empty((*normals.shape[1:], 3, 3), np.float32)
-    result[:, :1] = frames(first, turn[:, None])
-    if normals.shape[2] == 1:
+    normals = normals.astype(np.float32)
+    first, others = normals[:, :1], normals[:, 1:]
+    result = np.empty((normals.shape[1], 3, *normals[:, 0].shape), np.float32)
+    result[0] = _axes(first[:, 0], turn)
+    if not others.size:
         return result
-    others = normals[:, :, 1:]
     cos = (first * others).sum(axis=0)
-    between = (first + others) / np.maximum(1.0 + cos, 1e-3)
+    between = (first + others) / np.maximum(1.0 + cos, np.float32(1e-3))
     for row in range(2):
-        axis = result[:, 0, row].T[:, :, None].astype(np.float64)
-        carried = axis - (axis * others).sum(axis=0) * between
-        result[:, 1:, row] = np.moveaxis(carried, 0, 2)
-    result[:, 1:, 2] = np.moveaxis(others, 0, 2)
+        axis = result[0, row][:, None]
+        result[1:, row] = np.moveaxis(axis - (axis * others).sum(axis=0) * between, 1, 0)
+    result[1:, 2] = np.moveaxis(others, 1, 0)
     # There is no shortest way to the opposite side of a sheet.
-    point, place = np.nonzero(cos < -0.99)
-    result[point, 1 + place] = frames(others[:, point, place], turn[point])
+    place, point = np.nonzero(cos < -0.99)
+    result[1 + place, :, :, point] = frames(others[:, place, point], turn[point])
+    return result
+
+
+def _axes(normals: NDArray, turn: NDArray) -> NDArray[np.float32]:
+    """The frames as (3 rows, 3 axes, ...). Tangents by Duff et al. 2017, "Building an Orthonormal Basis, Revisited"."""
+    x, y, z = normals.astype(np.float32)
+    sign = np.copysign(np.float32(1.0), z)
+    a = -1.0 / (sign + z)
+    b = x * y * a
+    tangent = (1.0 + sign * x * x * a, sign * b, -sign * x)
+    bitangent = (b, sign + y * y * a, -y)
+    cos, sin = np.cos(turn).astype(np.float32), np.sin(turn).astype(np.float32)
+    result = np.empty((3, 3, *x.shape), np.float32)
+    for axis in range(3):
+        result[0, axis] = cos * tangent[axis] + sin * bitangent[axis]
+        result[1, axis] = cos * bitangent[axis] - sin * tangent[axis]
+        result[2, axis] = normals[axis]
     return result

@@ -21,7 +21,7 @@ from .bounces import Links
 from .height_map import HeightMap
 from .rays import Obscurance, Occluders
 from .sample_points import CornerTable, SurfacePoints, spread_points
-from .sampling import carried_frames, hemisphere_pattern, turns
+from .sampling import frames, hemisphere_pattern, turns
 from .surroundings import Ball, surrounding_points
 from .workers import Workers, slices
 
@@ -182,9 +182,9 @@ def trace_links(
 
     def trace(chosen: NDArray[np.intp]) -> int:
         positions, normals, *_ = points.at(chosen)
-        frame = carried_frames(normals, turns(points.number(chosen), seed))[:, 0]
+        frame = frames(normals[:, 0], turns(points.number(chosen), seed))
         directions = np.matmul(local, frame).reshape(-1, 3)
-        start = occluders.origins(positions, normals, extent)[:, :, 0].T.astype(np.float32)
+        start = occluders.origins(positions, normals, extent)[:, 0].T.astype(np.float32)
         origins = np.repeat(start, samples, axis=0)
         hits = occluders.hits(origins, directions, Obscurance())
         blocked = np.flatnonzero(hits.triangle >= 0)

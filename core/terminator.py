@@ -39,10 +39,11 @@ class Terminator:
 
     def heights(
         self, triangle: NDArray[np.intp], v: NDArray, w: NDArray
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """For the points p with weights ``v`` and ``w`` of the second and third corner: how far the highest corner
         rises over the plane on the shading normal n at p, the largest (p_i - p) . n; and how far the curved surface
         does over p, the sum of w_i (p_i - p) . n_i. All of one shape, in the units of the positions."""
+        v, w = v.astype(np.float32), w.astype(np.float32)
         weights = 1.0 - v - w, v, w
         rise = [[each.take(triangle) for each in row] for row in self._rise]
         point = [rise[0][k] * v + rise[1][k] * w for k in range(3)]
@@ -79,7 +80,7 @@ class Polygons:
         """Whether there is any such face."""
         return len(self._count) > 0
 
-    def raise_highest(self, highest: NDArray[np.float64], triangle: NDArray[np.intp], positions, normals) -> None:
+    def raise_highest(self, highest: NDArray[np.float32], triangle: NDArray[np.intp], positions, normals) -> None:
         """Raise ``highest`` (...) of :meth:`Terminator.heights` in place where a polygon of which ``triangle`` (...)
         is a part has higher corners. ``positions`` and unit ``normals`` (3, ...) of the points."""
         polygon = self._polygon.take(triangle)

@@ -109,7 +109,8 @@ def trace_visibility(
     def trace_window(workers: Workers, window: NDArray[np.intp]) -> Generator[int, None, None]:
         size = len(window)
         start = np.empty((size, places, 3), np.float32)
-        frame = np.empty((size, places, 3, 3), np.float32)
+        # Points last, so that numpy runs along them.
+        frame = np.empty((places, 3, 3, size), np.float32)
         sums = np.empty((size, places, sky + fields))
         lost = np.zeros((size, places), bool)
         number = points.number(window)
@@ -120,9 +121,9 @@ def trace_visibility(
             if lift is not None:
                 occluders.lift(origins, normals, lift, extent)
             if missing is not None:
-                lost[part] = missing
-            start[part] = np.moveaxis(origins, 0, 2)
-            frame[part] = carried_frames(normals, turns(number[part], seed))
+                lost[part] = missing.T
+            start[part] = origins.T
+            frame[..., part] = carried_frames(normals, turns(number[part], seed))
             return 0
 
         def trace(part: slice) -> int:
@@ -133,7 +134,7 @@ def trace_visibility(
             origins, directions = buffers.rays[:, :count]
             _triples(origins)[...] = _triples(start[part])[..., None]
             by_place = directions.reshape(count, places, -1).swapaxes(0, 1)
-            turned = frame[part].reshape(count, places, 9).swapaxes(0, 1)
+            turned = frame.reshape(places, 9, size)[:, :, part].swapaxes(1, 2)
             for row in range(0, count, rows):
                 np.matmul(turned[:, row : row + rows], to_rays, out=by_place[:, row : row + rows])
             visible = buffers.visible[: origins.size // 3]
@@ -166,11 +167,10 @@ def trace_visibility(
             f0, alpha = sums[part, :, 0].sum(axis=1), sums[part, :, 1].sum(axis=1)
             if cache:
                 result.gathered[window[part]] = sums[part, :, sky:].sum(axis=1)
-            # Points last, so that numpy runs along them; the mean direction's parts along each place's x, y and z.
-            axes = np.ascontiguousarray(frame[part].transpose(2, 3, 1, 0))
+            # The mean direction's parts along each place's x, y and z.
             bent = np.zeros((3, part.stop - part.start))
             for axis, along in enumerate(np.ascontiguousarray(sums[part, :, 2:sky].T)):
-                bent += (axes[axis] * along).sum(axis=1)
+                bent += (frame[:, axis, :, part] * along[:, None]).sum(axis=0)
             result.f0[window[part]] = f0
             result.alpha[window[part]] = alpha
             result.bent[window[part]] = np.divide(bent, alpha, out=np.zeros_like(bent), where=alpha > 0.0).T

@@ -153,7 +153,7 @@ class _TileBaker:
             f0.append(visibility.f0[~visibility.lost])
             at = np.flatnonzero(visibility.lost)
             lost.append(texels.texel[at])
-            lost_normals.append(points.at(at).normals.mean(axis=2).T)
+            lost_normals.append(points.at(at).normals.mean(axis=1).T)
         if not lost:
             return None
         images = {channel: pixels.reshape(size, size, 4) for channel, pixels in flat.items()}

@@ -64,7 +64,7 @@ def test_carried_frames_follow_the_normal_and_turn_no_more_than_it():
     normals[:10, 1] = -normals[:10, 0]
     normals /= np.linalg.norm(normals, axis=2, keepdims=True)
     turn = rng.uniform(0, 2 * np.pi, 500)
-    found = carried_frames(np.moveaxis(normals, 2, 0), turn)
+    found = np.moveaxis(carried_frames(normals.T, turn), 3, 0)
     identity = np.broadcast_to(np.eye(3), found.shape)
     np.testing.assert_allclose(found @ np.swapaxes(found, 2, 3), identity, atol=1e-5)
     np.testing.assert_allclose(np.linalg.det(found), 1.0, atol=1e-5)
