@@ -56,7 +56,21 @@ def _read_attribute(mesh: bpy.types.Mesh, name: str, prop: str, width: int, dtyp
 
 def read_triangles(mesh: bpy.types.Mesh) -> NDArray[np.int32]:
     """Corners (m, 3) of the triangles that the faces are drawn as."""
+    if _all_triangles(mesh):
+        return np.arange(len(mesh.loops), dtype=np.int32).reshape(-1, 3)
     return read(mesh.loop_triangles, "loops", 3, np.int32)
+
+
+def read_face_starts(mesh: bpy.types.Mesh) -> NDArray[np.int32]:
+    """The first corner (f,) of each face."""
+    if _all_triangles(mesh):
+        return np.arange(0, len(mesh.loops), 3, dtype=np.int32)
+    return read(mesh.polygons, "loop_start", 1, np.int32)
+
+
+def _all_triangles(mesh: bpy.types.Mesh) -> bool:
+    """Whether there is nothing to read, as Blender gives triangles and faces one by one: no face has fewer corners."""
+    return len(mesh.loops) == 3 * len(mesh.polygons)
 
 
 def to_world(points: NDArray, matrix: NDArray) -> NDArray[np.float64]:
@@ -90,7 +104,7 @@ def front_facing(triangles: NDArray[np.int32], matrix: NDArray) -> NDArray[np.in
 def read_surface(mesh: bpy.types.Mesh, matrix: NDArray, uv_map: str | None = None) -> Surface:
     """``mesh`` in world space; ``uv_map`` must exist. Raises BakeError for a ``matrix`` with zero scale."""
     uv = None if uv_map is None else read(mesh.uv_layers[uv_map].uv, "vector", 2, np.float32).astype(np.float64)
-    face_start = read(mesh.polygons, "loop_start", 1, np.int32)
+    face_start = read_face_starts(mesh)
     return Surface(
         vertices=to_world(read_positions(mesh), matrix),
         corner_vertex=read_corner_vertices(mesh),

@@ -17,7 +17,15 @@ from ..core.sample_points import PROBES, CornerTable, SurfacePoints, spread_poin
 from ..core.surface import Surface, extent_of, unit
 from ..core.workers import mapped
 from .high_to_low import Projection
-from .mesh_reader import linear_inverse, read, read_corner_vertices, read_positions, read_surface, to_world
+from .mesh_reader import (
+    linear_inverse,
+    read,
+    read_corner_vertices,
+    read_face_starts,
+    read_positions,
+    read_surface,
+    to_world,
+)
 from .names import ALL_CHANNELS, CHANNELS
 from .nearest_point import nearest_points
 from .report import BakeError, ObjectReport
@@ -187,7 +195,7 @@ def _corners(mesh: bpy.types.Mesh, matrix: NDArray, positions: NDArray | None = 
 
 
 def _topology(mesh: bpy.types.Mesh) -> Topology:
-    return len(mesh.vertices), read_corner_vertices(mesh), read(mesh.polygons, "loop_start", 1, np.int32)
+    return len(mesh.vertices), read_corner_vertices(mesh), read_face_starts(mesh)
 
 
 def check_attribute_names(obj: bpy.types.Object, bounces: str) -> None:
