@@ -67,7 +67,7 @@ def by_cycles(
     scene.cycles.use_adaptive_sampling = False
     scene.world = scene.world or bpy.data.worlds.new("World")
     scene.world.light_settings.distance = 1e5
-    scene.render.bake.margin, scene.render.bake.margin_type = MARGIN, "EXTEND"
+    scene.render.bake.margin, scene.render.bake.margin_type = MARGIN, "ADJACENT_FACES"
     select(obj)
     bake = partial(_to_vertices, obj, domain or domain_of(obj))
     if target == "TEXTURE":
