@@ -17,6 +17,7 @@ from .command_scene import (
     add_command,
     meshes_in_collections,
     named_objects,
+    names_set,
     no_collection,
     no_object,
     open_scene,
@@ -88,8 +89,8 @@ def _bake(options: argparse.Namespace) -> int:
         checkpoints.step(progress)
 
     try:
-        work = bake(bpy.context, objects, settings, store_each=True, resume=options.resume, share=options.share)
-        reports = drive(work, step)
+        common = {"store_each": True, "resume": options.resume, "share": options.share, "fixed": names_set(options)}
+        reports = drive(bake(bpy.context, objects, settings, **common), step)
     except BakeError as error:
         reports = [ObjectReport(obj.name, settings.target, error=str(error)) for obj in objects]
     reports += [ObjectReport(name, settings.target, error=message) for name, message in missing]

@@ -6,15 +6,23 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Callable
 
 import bpy
 
 from .bake_field import field_source, summary
 from .command_files import UsageError, keep
-from .command_scene import DONE, NOT_ALL_DONE, add_command, named_objects, no_object, open_scene, progress_for
+from .command_scene import (
+    DONE,
+    NOT_ALL_DONE,
+    add_command,
+    named_objects,
+    names_set,
+    no_object,
+    open_scene,
+    progress_for,
+)
 from .field_job import FieldReport, FieldSettings, bake_object_field
-from .progress import Progress, drive
+from .progress import drive
 from .report import BakeError
 
 
@@ -40,7 +48,7 @@ def _field(options: argparse.Namespace) -> int:
     scene = open_scene(options)
     objects, missing = named_objects(options.object) if options.object is not None else ([_active()], [])
     settings = FieldSettings.of(scene)
-    reports = [_bake(obj, settings, progress_for(options)) for obj in objects]
+    reports = [_bake(obj, settings, options) for obj in objects]
     reports += [FieldReport(name, error=no_object(name)) for name in missing]
 
     baked = any(report.error is None for report in reports)
@@ -57,9 +65,10 @@ def _active() -> bpy.types.Object:
     return source
 
 
-def _bake(obj: bpy.types.Object, settings: FieldSettings, show: Callable[[Progress], None]) -> FieldReport:
+def _bake(obj: bpy.types.Object, settings: FieldSettings, options: argparse.Namespace) -> FieldReport:
     try:
-        return drive(bake_object_field(bpy.context, obj, settings), show)
+        work = bake_object_field(bpy.context, obj, settings, fixed=names_set(options))
+        return drive(work, progress_for(options))
     except BakeError as error:
         return FieldReport(obj.name, error=str(error))
 

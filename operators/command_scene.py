@@ -46,7 +46,8 @@ def add_command(
             metavar="PROPERTY=VALUE",
             action="append",
             default=[],
-            help="change a setting of scene.multibounce_ao, such as samples=64 or target=TEXTURE; may be given again",
+            help="change a setting of scene.multibounce_ao, such as samples=64 or target=TEXTURE, also for objects and "
+            "collections that override it; may be given again",
         )
     if changes:
         command.add_argument(
@@ -81,6 +82,11 @@ def open_scene(options: argparse.Namespace) -> bpy.types.Scene:
         except ValueError as error:
             raise UsageError(f"--set {assignment}: {error}") from None
     return scene
+
+
+def names_set(options: argparse.Namespace) -> set[str]:
+    """The settings that were given by --set: they hold for all objects, whatever these override."""
+    return {assignment.partition("=")[0] for assignment in options.set}
 
 
 def no_object(name: str) -> str:

@@ -12,6 +12,7 @@ from ..operators.modal import Running, running
 from ..operators.names import PROPERTY
 from ..operators.presets import FOLDER
 from ..operators.report import count_text
+from ..operators.settings import BakeSettings
 from .sidebar import SidebarPanel
 
 # Draft shows in a blink whether the settings are right; Good is clean to a careful eye, and the default.
@@ -65,7 +66,7 @@ class MULTIBOUNCE_AO_PT_bake(SidebarPanel, bpy.types.Panel):
         meshes = selected_meshes(context)
         if not meshes or context.mode != "OBJECT":
             return
-        told = forecast(meshes, context.scene.multibounce_ao, context.selected_objects)
+        told = forecast(meshes, BakeSettings.of(context.scene), context.selected_objects)
         if told.objects:
             self._wrapped(context, told.text(), "NONE")
         for warning in told.warnings[:MOST_WARNINGS]:

@@ -11,7 +11,8 @@ from .meshes import add_uv_map, box, plate, positions
 
 
 def forecast(*objects):
-    return operators("forecast").forecast(list(objects), bpy.context.scene.multibounce_ao)
+    settings = operators("settings").BakeSettings.of(bpy.context.scene)
+    return operators("forecast").forecast(list(objects), settings)
 
 
 def look_at_layouts():

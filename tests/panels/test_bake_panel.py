@@ -20,9 +20,10 @@ OPERATORS = {
 
 @pytest.fixture
 def panels(extension, empty_scene):
-    """The extension's panels of the sidebar by name, in the order of registration; not the menu of presets."""
+    """The extension's panels of the sidebar by name, in the order of registration; not the menu of presets, nor what
+    the Properties editor shows."""
     ours = [cls for cls in bpy.types.Panel.__subclasses__() if cls.__module__.startswith(extension.__name__)]
-    found = [cls for cls in ours if cls.bl_region_type != "HEADER"]
+    found = [cls for cls in ours if cls.bl_region_type == "UI"]
     assert found
     return {cls.__name__: cls for cls in found}
 
