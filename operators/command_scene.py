@@ -64,6 +64,13 @@ def add_command(
 
 def open_scene(options: argparse.Namespace) -> bpy.types.Scene:
     """Open the .blend and change its settings as asked; returns its scene. Raises UsageError."""
+    (scene,) = open_scenes(options, None)
+    return scene
+
+
+def open_scenes(options: argparse.Namespace, patterns: list[str] | None) -> list[bpy.types.Scene]:
+    """Open the .blend and change the settings of those scenes that ``patterns`` name, or of its active one; returns
+    these. Raises UsageError."""
     path = options.scene
     if not path.is_file():
         raise UsageError(f"there is no file '{path}'")
@@ -72,7 +79,26 @@ def open_scene(options: argparse.Namespace) -> bpy.types.Scene:
         bpy.ops.wm.open_mainfile(filepath=str(path.resolve()), load_ui=False)
     except RuntimeError as error:
         raise UsageError(f"'{path}' cannot be opened: {str(error).strip()}") from None
-    scene = bpy.context.scene
+    scenes = [bpy.context.scene] if patterns is None else _named_scenes(patterns)
+    for scene in scenes:
+        _change_settings(scene, options)
+    return scenes
+
+
+def _named_scenes(patterns: list[str]) -> list[bpy.types.Scene]:
+    """Each once, in the order of the patterns. Raises UsageError where one names none."""
+    found = {}
+    for pattern in patterns:
+        exact = bpy.data.scenes.get((pattern, None))
+        named = [exact] if exact else [each for each in bpy.data.scenes if fnmatchcase(each.name, pattern)]
+        if not named:
+            names = ", ".join(f"'{each.name}'" for each in bpy.data.scenes)
+            raise UsageError(f"there is no scene '{pattern}' in the .blend: choose among {names}")
+        found.update(dict.fromkeys(named))
+    return list(found)
+
+
+def _change_settings(scene: bpy.types.Scene, options: argparse.Namespace) -> None:
     for assignment in options.set:
         name, separator, value = assignment.partition("=")
         if not separator:
@@ -81,7 +107,6 @@ def open_scene(options: argparse.Namespace) -> bpy.types.Scene:
             set_from_text(scene.multibounce_ao, name, value)
         except ValueError as error:
             raise UsageError(f"--set {assignment}: {error}") from None
-    return scene
 
 
 def names_set(options: argparse.Namespace) -> set[str]:
@@ -137,10 +162,13 @@ def progress_for(options: argparse.Namespace) -> Callable[[Progress], None]:
     return StderrProgress() if sys.stderr.isatty() and not options.quiet else lambda step: None
 
 
-def print_table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]], file) -> None:
-    """In columns, the first to the left and the others to the right."""
+def print_table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]], file, names: int = 1) -> None:
+    """In columns, the first ``names`` of them to the left and the others to the right."""
     lines = [head, *rows]
-    first, *others = (max(len(line[column]) for line in lines) for column in range(len(head)))
-    for name, *cells in lines:
-        numbers = "".join(f"  {cell:>{width}}" for cell, width in zip(cells, others, strict=True))
-        print(f"{name:<{first}}{numbers}".rstrip(), file=file)
+    widths = [max(len(line[column]) for line in lines) for column in range(len(head))]
+    for line in lines:
+        cells = [
+            f"{cell:<{width}}" if column < names else f"{cell:>{width}}"
+            for column, (cell, width) in enumerate(zip(line, widths, strict=True))
+        ]
+        print("  ".join(cells).rstrip(), file=file)

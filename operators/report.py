@@ -19,7 +19,8 @@ class BakeError(Exception):
 @dataclass
 class ObjectReport:
     """The bake of one object; ``error`` is None where it was done. The JSON report lists these fields, but for
-    ``memory``, the bytes that images take while they are baked."""
+    ``memory``, the bytes that images take while they are baked, and for ``scene``, its name, where that was not asked
+    for."""
 
     name: str
     target: str
@@ -32,6 +33,7 @@ class ObjectReport:
     warnings: list[str] = field(default_factory=list)
     error: str | None = None
     memory: float = 0.0
+    scene: str | None = None
 
     @property
     def note(self) -> str:
@@ -63,7 +65,8 @@ class ObjectReport:
             )
 
     def as_dict(self) -> dict:
-        return {name: value for name, value in asdict(self).items() if name != "memory"}
+        left_out = {"memory"} if self.scene is not None else {"memory", "scene"}
+        return {name: value for name, value in asdict(self).items() if name not in left_out}
 
 
 def statistics(f0: NDArray[np.float32]) -> dict[str, float]:
