@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,7 +11,8 @@ from contextlib import contextmanager
 import bpy
 
 from .bake_job import bake
-from .command_files import UsageError, keep, save_scene
+from .command_files import UsageError, blend_files, keep, save_scene
+from .command_jobs import bake_files
 from .command_scene import (
     DONE,
     NOT_ALL_DONE,
@@ -23,12 +23,12 @@ from .command_scene import (
     no_collection,
     no_object,
     open_scenes,
-    print_table,
     progress_for,
 )
+from .command_tell import tell
 from .occluder_reader import rendered_objects
 from .progress import Progress, drive
-from .report import BakeError, ObjectReport, count_text
+from .report import BakeError, ObjectReport
 from .settings import BakeSettings
 
 
@@ -37,12 +37,14 @@ def add_to(commands: argparse._SubParsersAction) -> None:
     command = add_command(
         commands,
         "bake",
-        help="bake the meshes of a .blend",
+        help="bake the meshes of a .blend, or of several",
         description=(
-            "Bake the meshes of SCENE.blend that are enabled in renders, or those named by --object and --collection."
+            "Bake the meshes of SCENE.blend that are enabled in renders, or those named by --object and --collection. "
+            "Several files are baked side by side with --jobs."
         ),
         object_help="bake this object, or all meshes that a pattern such as 'Wall*' names; may be given again",
         failure="something could not be baked (the rest is done and kept)",
+        several=True,
     )
     command.add_argument(
         "--collection",
@@ -80,7 +82,26 @@ def add_to(commands: argparse._SubParsersAction) -> None:
         default=(1, 1),
         help="bake the I-th of N shares of these objects alone, for N machines; the command merge unites them",
     )
+    command.add_argument(
+        "--jobs",
+        metavar="N",
+        type=_count,
+        default=1,
+        help="with several files, bake N of them at a time, each in a Blender of its own",
+    )
+    command.add_argument(
+        "--threads",
+        metavar="N",
+        type=_count,
+        help="trace with so many threads, which jobs share; default: one a core. They change no bit of the result",
+    )
     command.set_defaults(run=_bake)
+
+
+def _count(text: str) -> int:
+    if not (text.isdecimal() and int(text) >= 1):
+        raise argparse.ArgumentTypeError(f"write a whole number from 1 on, not '{text}'")
+    return int(text)
 
 
 def _share(text: str) -> tuple[int, int]:
@@ -91,6 +112,14 @@ def _share(text: str) -> tuple[int, int]:
 
 
 def _bake(options: argparse.Namespace) -> int:
+    files = blend_files(options.files)
+    if len(files) > 1:
+        return bake_files(files, options)
+    (options.scene,) = files
+    return _bake_file(options)
+
+
+def _bake_file(options: argparse.Namespace) -> int:
     started = time.perf_counter()
     scenes = open_scenes(options, options.scenes)
     objects_of, missing = _objects(scenes, options)
@@ -106,9 +135,8 @@ def _bake(options: argparse.Namespace) -> int:
     target = scenes[0].multibounce_ao.target
     reports += [ObjectReport(name, target, error=message) for name, message in missing]
 
-    baked = any(report.error is None for report in reports)
     kept = keep(options, reports, started)
-    _tell(reports, options, baked, time.perf_counter() - started)
+    tell(reports, options, time.perf_counter() - started)
     return DONE if kept and not any(report.error for report in reports) else NOT_ALL_DONE
 
 
@@ -134,7 +162,7 @@ def _bake_objects(
 
     try:
         common = {"store_each": True, "resume": options.resume, "share": options.share, "fixed": names_set(options)}
-        return drive(bake(bpy.context, objects, settings, **common), step)
+        return drive(bake(bpy.context, objects, settings, options.threads, **common), step)
     except BakeError as error:
         return [ObjectReport(obj.name, settings.target, error=str(error)) for obj in objects]
 
@@ -214,35 +242,3 @@ def _objects_here(options: argparse.Namespace) -> tuple[list[bpy.types.Object], 
     missing = [(name, no_object(name)) for name in unknown]
     missing += [(name, no_collection(name)) for name in unknown_collections]
     return list(dict.fromkeys([*objects, *inside])), missing
-
-
-def _tell(reports: list[ObjectReport], options: argparse.Namespace, baked: bool, seconds: float) -> None:
-    """Print on stderr what cannot be missed, then all in a table."""
-    for report in reports:
-        if report.error:
-            print(f"Error: {report.error}", file=sys.stderr)
-        elif not options.quiet:
-            for warning in report.warnings:
-                print(f"Warning: '{report.name}': {warning}", file=sys.stderr)
-    if options.quiet:
-        return
-    names = 1 if options.scenes is None else 2
-    print_table(
-        ("scene", "object", "points", "rays", "seconds", "mean AO")[-4 - names :],
-        [
-            (
-                *[report.scene or "-", report.name][-names:],
-                count_text(report.points),
-                count_text(report.rays),
-                f"{report.seconds:.2f}",
-                f"{report.f0['mean']:.4f}" if report.f0 and not report.error else "failed",
-            )
-            for report in reports
-        ],
-        sys.stderr,
-        names,
-    )
-    failed = sum(report.error is not None for report in reports)
-    print(f"{len(reports) - failed} baked, {failed} failed, in {seconds:.1f} s", file=sys.stderr)
-    if baked and options.save is None:
-        print("The .blend was not saved: add --save to keep the bake in it", file=sys.stderr)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import argparse
+import glob
 import json
 import os
 import sys
@@ -31,6 +32,20 @@ class AnyReport(Protocol):
 
 class UsageError(Exception):
     """What was asked for cannot be understood or found; exit code 2."""
+
+
+def blend_files(names: Sequence[str]) -> list[Path]:
+    """The files of these names, or that patterns among them name, each once. Raises UsageError where there is none."""
+    found: dict[Path, Path] = {}
+    for name in map(Path, names):
+        # Only the last part of a path is a pattern.
+        pattern = os.path.join(glob.escape(str(name.parent)), name.name)
+        named = [name] if name.is_file() else [path for path in map(Path, sorted(glob.glob(pattern))) if path.is_file()]
+        if not named:
+            raise UsageError(f"there is no file '{name}'")
+        for path in named:
+            found.setdefault(path.resolve(), path)
+    return list(found.values())
 
 
 def save_scene(name: str) -> bool:
@@ -76,9 +91,9 @@ def begin_files(options: argparse.Namespace) -> None:
     """Look whether the .blend and the report can be written, and keep in mind what the .blend is now. Raises
     UsageError."""
     if options.report is not None:
-        _check_writable("--report", options.report.resolve(), make=True)
+        check_writable("--report", options.report, make=True)
     if options.save is not None:
-        _check_writable("--save", Path(options.save or options.scene).resolve(), make=False)
+        check_writable("--save", Path(options.save or options.scene), make=False)
     _opened[options.scene.resolve()] = _state(options.scene)
 
 
@@ -95,8 +110,9 @@ def keep(options: argparse.Namespace, reports: Sequence[AnyReport], started: flo
     )
 
 
-def _check_writable(option: str, path: Path, make: bool) -> None:
-    """Try now what is only needed at the end, perhaps of a night. Raises UsageError."""
+def check_writable(option: str, path: Path, make: bool) -> None:
+    """Try now what is only needed at the end, perhaps of a night; ``make`` its folder. Raises UsageError."""
+    path = path.resolve()
     try:
         if make:
             path.parent.mkdir(parents=True, exist_ok=True)

@@ -4,8 +4,6 @@
 from __future__ import annotations
 
 import argparse
-import glob
-import os
 import sys
 import time
 from collections.abc import Iterator
@@ -17,7 +15,7 @@ import bpy
 import numpy as np
 
 from .bake_record import baked_source, plug_recorded
-from .command_files import UsageError, keep
+from .command_files import blend_files, keep
 from .command_scene import DONE, NOT_ALL_DONE, add_command, named_objects, no_object, open_scene, print_table
 from .images import check_image_names, keep_image, recorded_images
 from .mesh_reader import read, read_corner_vertices, read_positions
@@ -67,7 +65,8 @@ def add_to(commands: argparse._SubParsersAction) -> None:
 
 def _merge(options: argparse.Namespace) -> int:
     started = time.perf_counter()
-    parts = _files(options)
+    scene = options.scene.resolve()
+    parts = [part for part in map(Path.resolve, blend_files(options.parts)) if part != scene]
     open_scene(options)
     objects, missing = bpy.context.view_layer.objects[:], []
     if options.object is not None:
@@ -86,20 +85,6 @@ def _merge(options: argparse.Namespace) -> int:
     kept = keep(options, reports, started)
     _tell(reports, options, bool(targets.taken))
     return DONE if kept and not any(report.error for report in reports) else NOT_ALL_DONE
-
-
-def _files(options: argparse.Namespace) -> list[Path]:
-    """The parts, each once, and not the scene itself. Raises UsageError."""
-    found: dict[Path, None] = {}
-    for part in map(Path, options.parts):
-        # Only the last part of a path is a pattern.
-        pattern = os.path.join(glob.escape(str(part.parent)), part.name)
-        named = [part] if part.is_file() else [path for path in map(Path, sorted(glob.glob(pattern))) if path.is_file()]
-        if not named:
-            raise UsageError(f"there is no file '{part}'")
-        found.update(dict.fromkeys(path.resolve() for path in named))
-    found.pop(options.scene.resolve(), None)
-    return list(found)
 
 
 class _Targets:

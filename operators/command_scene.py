@@ -28,16 +28,23 @@ def add_command(
     failure: str,
     changes: bool = True,
     bakes: bool = True,
+    several: bool = False,
 ) -> argparse.ArgumentParser:
     """A command with the options that all have; ``failure`` is what exit code 1 stands for. One that ``changes``
-    nothing has nothing to save, and no settings, nor has one that ``bakes`` nothing."""
+    nothing has nothing to save, and no settings, nor has one that ``bakes`` nothing. With ``several`` files it has a
+    list of them, ``files``, as they were written."""
     command = commands.add_parser(
         name,
         help=help,
         description=description,
         epilog=f"Exit code: 0 done, 1 {failure}, 2 wrong usage.",
     )
-    command.add_argument("scene", metavar="SCENE.blend", type=Path)
+    if several:
+        command.add_argument(
+            "files", metavar="SCENE.blend", nargs="+", help="a file, or all that a pattern such as 'shot_*.blend' names"
+        )
+    else:
+        command.add_argument("scene", metavar="SCENE.blend", type=Path)
     command.add_argument("--object", metavar="NAME", action="append", help=object_help)
     command.set_defaults(set=[], save=None)
     if changes and bakes:
@@ -78,7 +85,8 @@ def open_scenes(options: argparse.Namespace, patterns: list[str] | None) -> list
     try:
         bpy.ops.wm.open_mainfile(filepath=str(path.resolve()), load_ui=False)
     except RuntimeError as error:
-        raise UsageError(f"'{path}' cannot be opened: {str(error).strip()}") from None
+        reason = str(error).strip().removeprefix("Error: ")
+        raise UsageError(f"'{path}' cannot be opened: {reason}") from None
     scenes = [bpy.context.scene] if patterns is None else _named_scenes(patterns)
     for scene in scenes:
         _change_settings(scene, options)

@@ -19,8 +19,8 @@ class BakeError(Exception):
 @dataclass
 class ObjectReport:
     """The bake of one object; ``error`` is None where it was done. The JSON report lists these fields, but for
-    ``memory``, the bytes that images take while they are baked, and for ``scene``, its name, where that was not asked
-    for."""
+    ``memory``, the bytes that images take while they are baked, and for ``file`` and ``scene``, where it is, where
+    there is one of these alone."""
 
     name: str
     target: str
@@ -33,6 +33,7 @@ class ObjectReport:
     warnings: list[str] = field(default_factory=list)
     error: str | None = None
     memory: float = 0.0
+    file: str | None = None
     scene: str | None = None
 
     @property
@@ -65,7 +66,7 @@ class ObjectReport:
             )
 
     def as_dict(self) -> dict:
-        left_out = {"memory"} if self.scene is not None else {"memory", "scene"}
+        left_out = {"memory", *(name for name in ("file", "scene") if getattr(self, name) is None)}
         return {name: value for name, value in asdict(self).items() if name not in left_out}
 
 
