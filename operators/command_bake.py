@@ -14,9 +14,8 @@ from .bake_job import bake
 from .command_files import UsageError, blend_files, keep, save_scene
 from .command_jobs import bake_files
 from .command_scene import (
-    DONE,
-    NOT_ALL_DONE,
     add_command,
+    exit_code,
     meshes_in_collections,
     named_objects,
     names_set,
@@ -37,6 +36,7 @@ def add_to(commands: argparse._SubParsersAction) -> None:
     command = add_command(
         commands,
         "bake",
+        _bake,
         help="bake the meshes of a .blend, or of several",
         description=(
             "Bake the meshes of SCENE.blend that are enabled in renders, or those named by --object and --collection. "
@@ -95,7 +95,6 @@ def add_to(commands: argparse._SubParsersAction) -> None:
         type=_count,
         help="trace with so many threads, which jobs share; default: one a core. They change no bit of the result",
     )
-    command.set_defaults(run=_bake)
 
 
 def _count(text: str) -> int:
@@ -137,7 +136,7 @@ def _bake_file(options: argparse.Namespace) -> int:
 
     kept = keep(options, reports, started)
     tell(reports, options, time.perf_counter() - started)
-    return DONE if kept and not any(report.error for report in reports) else NOT_ALL_DONE
+    return exit_code(kept, reports)
 
 
 @contextmanager

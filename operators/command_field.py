@@ -12,13 +12,11 @@ import bpy
 from .bake_field import field_source, summary
 from .command_files import UsageError, keep
 from .command_scene import (
-    DONE,
-    NOT_ALL_DONE,
     add_command,
-    named_objects,
+    exit_code,
     names_set,
     no_object,
-    open_scene,
+    open_objects,
     progress_for,
 )
 from .field_job import FieldReport, FieldSettings, bake_object_field
@@ -28,9 +26,10 @@ from .report import BakeError
 
 def add_to(commands: argparse._SubParsersAction) -> None:
     """Add the command ``field``."""
-    command = add_command(
+    add_command(
         commands,
         "field",
+        _field,
         help="bake the AO fields of objects",
         description=(
             "Bake what objects of SCENE.blend block of the sky all around them: into node groups of the .blend and, "
@@ -40,21 +39,19 @@ def add_to(commands: argparse._SubParsersAction) -> None:
         object_help="bake the field of this object, or of meshes that a pattern like 'Tree*' names; may be given again",
         failure="something could not be baked (the rest is done and kept) or the .blend not saved",
     )
-    command.set_defaults(run=_field)
 
 
 def _field(options: argparse.Namespace) -> int:
     started = time.perf_counter()
-    scene = open_scene(options)
-    objects, missing = named_objects(options.object) if options.object is not None else ([_active()], [])
-    settings = FieldSettings.of(scene)
+    objects, missing = open_objects(options, lambda: [_active()])
+    settings = FieldSettings.of(bpy.context.scene)
     reports = [_bake(obj, settings, options) for obj in objects]
     reports += [FieldReport(name, error=no_object(name)) for name in missing]
 
     baked = any(report.error is None for report in reports)
     kept = keep(options, reports, started)
     _tell(reports, options, baked)
-    return DONE if kept and not any(report.error for report in reports) else NOT_ALL_DONE
+    return exit_code(kept, reports)
 
 
 def _active() -> bpy.types.Object:

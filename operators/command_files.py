@@ -57,21 +57,31 @@ def save_scene(name: str) -> bool:
     path = Path(name or bpy.data.filepath).resolve()
     changed = path in _opened and _opened[path] != _state(path)
     target = path.with_name(f"{path.stem}_{os.getpid()}{path.suffix}") if changed else path
-    unfinished = target.with_name(f".{target.name}.{os.getpid()}.part.blend")
+    unfinished = _unfinished(target, os.getpid())
     try:
         bpy.ops.wm.save_as_mainfile(filepath=str(unfinished), copy=True, relative_remap=True)
         os.replace(unfinished, target)
     except (RuntimeError, OSError) as error:
         print(f"Error: '{path}' cannot be saved: {str(error).strip()}", file=sys.stderr)
-        for rest in (unfinished, Path(f"{unfinished}@")):  # the second is Blender's own
-            with suppress(OSError):
-                rest.unlink(missing_ok=True)
+        remove_unfinished(target, os.getpid())
         return False
     if changed:
         print(f"Error: '{path}' was saved by another program meanwhile: this is '{target.name}'", file=sys.stderr)
     else:
         _opened[path] = _state(path)
     return not changed
+
+
+def _unfinished(path: Path, process: int) -> Path:
+    return path.with_name(f".{path.name}.{process}.part.blend")
+
+
+def remove_unfinished(path: Path, process: int) -> None:
+    """Remove what the ``process`` had written of the .blend ``path``, and did not come to finish."""
+    unfinished = _unfinished(path, process)
+    for rest in (unfinished, Path(f"{unfinished}@")):  # the second is Blender's own
+        with suppress(OSError):
+            rest.unlink(missing_ok=True)
 
 
 # The .blend that was opened, as it was then or when it was last saved here.

@@ -24,8 +24,8 @@ from typing import IO
 
 import bpy
 
-from .command_files import UsageError, check_writable, write_report
-from .command_scene import DONE, NOT_ALL_DONE, WRONG_USAGE
+from .command_files import UsageError, check_writable, remove_unfinished, write_report
+from .command_scene import DONE, NOT_ALL_DONE, WRONG_USAGE, exit_code
 from .command_tell import tell
 from .report import ObjectReport
 from .version import extension_version
@@ -75,7 +75,7 @@ def bake_files(files: list[Path], options: argparse.Namespace) -> int:
         },
     )
     tell(objects, options, seconds, {report.file: report.error for report in reports})
-    return DONE if written and not any(report.error for report in [*reports, *objects]) else NOT_ALL_DONE
+    return exit_code(written, [*reports, *objects])
 
 
 class _Child:
@@ -151,6 +151,7 @@ class _Child:
 
     def _end(self) -> None:
         self._output.close()
+        remove_unfinished(Path(self.report.file).resolve(), self._process.pid)
         self.report.seconds = round(time.perf_counter() - self._began, 3)
 
     def _reason(self, code: int) -> str | None:

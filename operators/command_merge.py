@@ -16,7 +16,7 @@ import numpy as np
 
 from .bake_record import baked_source, plug_recorded
 from .command_files import blend_files, keep
-from .command_scene import DONE, NOT_ALL_DONE, add_command, named_objects, no_object, open_scene, print_table
+from .command_scene import add_command, exit_code, no_object, open_objects, print_table
 from .images import check_image_names, keep_image, recorded_images
 from .mesh_reader import read, read_corner_vertices, read_positions
 from .names import CHANNELS, PROPERTY
@@ -44,6 +44,7 @@ def add_to(commands: argparse._SubParsersAction) -> None:
     command = add_command(
         commands,
         "merge",
+        _merge,
         help="bring bakes of copies of a .blend together in it",
         description=(
             "Take over into SCENE.blend what bake left in the PARTs, copies of it that bake --share --save wrote: "
@@ -60,17 +61,13 @@ def add_to(commands: argparse._SubParsersAction) -> None:
         nargs="+",
         help="a file, or all files that a pattern such as 'part_*.blend' names",
     )
-    command.set_defaults(run=_merge)
 
 
 def _merge(options: argparse.Namespace) -> int:
     started = time.perf_counter()
     scene = options.scene.resolve()
     parts = [part for part in map(Path.resolve, blend_files(options.parts)) if part != scene]
-    open_scene(options)
-    objects, missing = bpy.context.view_layer.objects[:], []
-    if options.object is not None:
-        objects, missing = named_objects(options.object)
+    objects, missing = open_objects(options, lambda: bpy.context.view_layer.objects[:])
     targets = _Targets(objects, are_all=options.object is None)
     reports = [MergeReport(name, error=no_object(name)) for name in missing]
     for part in parts:
@@ -84,7 +81,7 @@ def _merge(options: argparse.Namespace) -> int:
 
     kept = keep(options, reports, started)
     _tell(reports, options, bool(targets.taken))
-    return DONE if kept and not any(report.error for report in reports) else NOT_ALL_DONE
+    return exit_code(kept, reports)
 
 
 class _Targets:

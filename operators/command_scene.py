@@ -11,7 +11,7 @@ from pathlib import Path
 
 import bpy
 
-from .command_files import UsageError, begin_files
+from .command_files import AnyReport, UsageError, begin_files
 from .progress import Progress, StderrProgress
 from .settings_text import set_from_text
 
@@ -21,6 +21,7 @@ DONE, NOT_ALL_DONE, WRONG_USAGE = 0, 1, 2
 def add_command(
     commands: argparse._SubParsersAction,
     name: str,
+    run: Callable[[argparse.Namespace], int],
     *,
     help: str,
     description: str,
@@ -30,9 +31,9 @@ def add_command(
     bakes: bool = True,
     several: bool = False,
 ) -> argparse.ArgumentParser:
-    """A command with the options that all have; ``failure`` is what exit code 1 stands for. One that ``changes``
-    nothing has nothing to save, and no settings, nor has one that ``bakes`` nothing. With ``several`` files it has a
-    list of them, ``files``, as they were written."""
+    """A command that ``run`` does, with the options that all have; ``failure`` is what exit code 1 stands for. One that
+    ``changes`` nothing has nothing to save, and no settings, nor has one that ``bakes`` nothing. With ``several`` files
+    it has a list of them, ``files``, as they were written."""
     command = commands.add_parser(
         name,
         help=help,
@@ -46,7 +47,7 @@ def add_command(
     else:
         command.add_argument("scene", metavar="SCENE.blend", type=Path)
     command.add_argument("--object", metavar="NAME", action="append", help=object_help)
-    command.set_defaults(set=[], save=None)
+    command.set_defaults(run=run, set=[], save=None)
     if changes and bakes:
         command.add_argument(
             "--set",
@@ -115,6 +116,20 @@ def _change_settings(scene: bpy.types.Scene, options: argparse.Namespace) -> Non
             set_from_text(scene.multibounce_ao, name, value)
         except ValueError as error:
             raise UsageError(f"--set {assignment}: {error}") from None
+
+
+def open_objects(
+    options: argparse.Namespace, usual: Callable[[], list[bpy.types.Object]]
+) -> tuple[list[bpy.types.Object], list[str]]:
+    """Open the .blend as :func:`open_scene` does; returns what --object names and the patterns that name nothing, or
+    else the ``usual`` objects. Raises UsageError."""
+    open_scene(options)
+    return (usual(), []) if options.object is None else named_objects(options.object)
+
+
+def exit_code(kept: bool, reports: Iterable[AnyReport]) -> int:
+    """Of a command whose work is ``kept``, or was not to be, and told by ``reports``."""
+    return DONE if kept and not any(report.error for report in reports) else NOT_ALL_DONE
 
 
 def names_set(options: argparse.Namespace) -> set[str]:

@@ -46,6 +46,7 @@ if name.startswith("crash"):
     print("Segmentation fault in the modifier", file=sys.stderr, flush=True)
     os.kill(os.getpid(), signal.SIGKILL)
 if name.startswith("slow"):
+    open(os.path.join(os.path.dirname(log), f".slow.blend.{os.getpid()}.part.blend"), "w").close()
     time.sleep(60.0)
 time.sleep(0.2)
 one = {"name": name, "target": "VERTEX", "points": 4, "samples": 8, "rays": 32, "seconds": 0.5,
@@ -200,6 +201,7 @@ def test_an_interruption_ends_the_children(fake, tmp_path, number, capsys):
     assert signal.getsignal(number) == before
     assert [each["error"] for each in report["files"]] == [None, "was interrupted", "was not begun"]
     assert not files[2].with_suffix(".begun").exists()
+    assert not list(tmp_path.glob(".*"))  # no unfinished .blend
     assert "1 baked, 0 failed, 2 of 3 files failed" in capsys.readouterr().err
 
 
