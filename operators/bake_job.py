@@ -15,6 +15,7 @@ import traceback
 from collections.abc import Callable, Collection, Generator
 from dataclasses import replace
 from functools import partial
+from tempfile import gettempdir
 
 import bpy
 import numpy as np
@@ -260,6 +261,7 @@ def _store(
         report.error = _deleted(report)
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
-        report.error = (
-            f"Object '{report.name}' cannot be stored in '{result.folder}' ({reason}): choose another output folder"
-        )
+        how = f"stored in '{result.folder}' ({reason}): choose another output folder"
+        if not result.folder:
+            how = f"packed by way of the temporary folder '{gettempdir()}' ({reason}): make room there"
+        report.error = f"Object '{report.name}' cannot be {how}"

@@ -179,6 +179,8 @@ def store_file(
     if is_packed:
         image.pack()
         image.filepath_raw = f"//{path.name}"
+        for packed in image.packed_files:  # each of a tile has the path of its own
+            packed.filepath = f"//{Path(packed.filepath).name}"
     keep_image(obj, channel, image)
     if is_packed:
         return [image.name]

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tiled images: every tile that a UV map reaches into."""
 
+import tempfile
+
 import bpy
 import numpy as np
 import pytest
@@ -165,3 +167,32 @@ def test_a_bake_to_tiles_in_files_is_known_again_while_they_are_all_there(tmp_pa
     assert known(floor)
     (tmp_path / "Floor_bent_cone.1011.exr").unlink()
     assert not known(floor)
+
+
+def test_what_is_packed_forgets_the_temporary_folder():
+    """Unpacked, the files go beside the .blend, under the names that they have as files."""
+    floor = floor_in_two_tiles()
+    bake(floor, **MADE, output_directory="", use_ao_map=True)
+    paths = {packed.filepath for image in bpy.data.images for packed in image.packed_files}
+    assert paths == {
+        f"//Floor_{name}.{number}.{extension}"
+        for name, extension in (("multibounce_ao", "exr"), ("bent_cone", "exr"), ("ao", "png"))
+        for number in (1002, 1011)
+    }
+
+
+def test_packing_on_a_full_disk(monkeypatch):
+    """It is packed by way of files in the temporary folder: that is what the message names."""
+    floor = floor_in_two_tiles()
+
+    def full(*_, **__):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(operators("texture_result"), "write_exr", full)
+    (report,) = reports(floor, **MADE, output_directory="")
+    assert report.error == (
+        f"Object 'Floor' cannot be packed by way of the temporary folder '{tempfile.gettempdir()}' (no space left on "
+        "device): make room there"
+    )
+    assert not bpy.data.images
+    assert "multibounce_ao" not in floor
