@@ -125,7 +125,6 @@ def _texels(obj: bpy.types.Object, settings: BakeSettings, seen: set) -> tuple[i
     uv_map = settings.uv_map or next((layer.name for layer in layers if layer.active_render), "")
     if uv_map not in layers:
         return 0, [f"has no UV map '{uv_map}'" if settings.uv_map else "has no UV map: unwrap it first"]
-    found = uv_check(obj.data, uv_map)
-    coverage = 1.0 if found is None else found.tiles if settings.use_udim else found.coverage
-    texels = int(coverage * settings.resolution**2)
+    found = uv_check(obj.data, uv_map, settings.use_udim)
+    texels = int((1.0 if found is None else found.coverage) * settings.resolution**2)
     return texels, [f"overlaps itself in UV map '{uv_map}'"] if found is not None and found.overlap else []
