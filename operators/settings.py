@@ -74,7 +74,7 @@ class MultibounceAOSettings(OverridableSettings, bpy.types.PropertyGroup):
     )
     exr_codec: EnumProperty(
         name="Codec",
-        description="Compression of the OpenEXR files. All of these keep every bit",
+        description="Compression of the OpenEXR files, of packed tiles and maps too. All of these keep every bit",
         items=(
             ("NONE", "None", "No compression"),
             ("RLE", "RLE", "Lossless run length encoding compression"),

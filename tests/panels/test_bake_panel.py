@@ -110,6 +110,14 @@ def test_what_does_not_apply_is_grey(panels):
     settings.use_bent_normal_map = True
     grey = {name for name, active in properties(everything(panels)).items() if not active}
     assert grey == packed | {"height_map_amplitude"}
+    # What is packed as an OpenEXR file has a codec, too.
+    for name, value, other in (("use_udim", True, False), ("map_format", "OPEN_EXR", "PNG_8")):
+        setattr(settings, name, value)
+        assert {name for name, active in properties(everything(panels)).items() if not active} == {
+            "color_depth",
+            "height_map_amplitude",
+        }
+        setattr(settings, name, other)
     settings.output_directory = "//maps"
     settings.height_map = bpy.data.images.new("Relief", 4, 4)
     assert all(properties(everything(panels)).values())
