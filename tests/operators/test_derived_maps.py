@@ -177,6 +177,20 @@ def test_gltf_nodes_come_and_go():
 
 
 @pytest.mark.usefixtures("fitted")
+def test_a_vertex_bake_has_no_map_for_gltf():
+    """With the setting left on, whether there is a map of an earlier bake or not."""
+    floor = corner()
+    tree = colour(floor, (0.5, 0.5, 0.5, 1))
+    vertices = MADE | {"target": "VERTEX"}
+    bake(floor, **vertices, use_gltf_occlusion=True)
+    assert not gltf_nodes(tree)
+    bake(floor, **MADE, use_gltf_occlusion=True)
+    assert gltf_nodes(tree)
+    bake(floor, **vertices, use_gltf_occlusion=True)
+    assert not gltf_nodes(tree)
+
+
+@pytest.mark.usefixtures("fitted")
 def test_an_occlusion_of_the_artists_own_stays():
     floor = corner()
     tree = colour(floor, (0.5, 0.5, 0.5, 1))
