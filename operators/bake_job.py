@@ -124,7 +124,7 @@ def bake(
             continue
         except Exception as error:  # a fault of ours, or no memory: the other objects are still to be baked
             traceback.print_exc()
-            report.error = f"Object '{report.name}' could not be baked ({type(error).__name__}: {error}): report this"
+            report.error = _fault(report, error)
             continue
         report.seconds = round(time.perf_counter() - started, 3)
         done.append((obj, report, result, mark, chosen))
@@ -175,6 +175,10 @@ def _ends(objects: list[bpy.types.Object], settings: list[BakeSettings]) -> list
 
 def _deleted(report: ObjectReport) -> str:
     return f"Object '{report.name}' was deleted while the bake was running: bring it back with undo, and bake again"
+
+
+def _fault(report: ObjectReport, error: Exception) -> str:
+    return f"Object '{report.name}' could not be baked ({type(error).__name__}: {error}): report this"
 
 
 def _share(baked: ObjectReport, report: ObjectReport, bounces: str) -> None:
@@ -265,3 +269,6 @@ def _store(
         if not result.folder:
             how = f"packed by way of the temporary folder '{gettempdir()}' ({reason}): make room there"
         report.error = f"Object '{report.name}' cannot be {how}"
+    except Exception as error:  # a fault of ours: the other objects are still to be stored
+        traceback.print_exc()
+        report.error = _fault(report, error)
