@@ -73,9 +73,10 @@ class Overrides:
             if obj in objects:
                 chosen |= values
         chosen |= obj.multibounce_ao_overrides.values()
+        if not chosen:  # the panel asks for many objects whenever it is drawn
+            return settings
         names = {field.name for field in fields(settings)}.difference(self._fixed)
-        chosen = {name: value for name, value in chosen.items() if name in names}
-        return replace(settings, **chosen) if chosen else settings
+        return replace(settings, **{name: value for name, value in chosen.items() if name in names})
 
 
 def _collections(layer: bpy.types.LayerCollection, depth: int = 0) -> Iterator[tuple[int, bpy.types.Collection]]:
