@@ -123,14 +123,11 @@ class _Child:
         return True
 
     def terminate(self) -> None:
-        """Tell it to end where it is: files that it writes stay as they were."""
-        if self._process is not None:
-            self._process.terminate()
+        """Tell it, which has not ended, to end where it is: files that it writes stay as they were."""
+        self._process.terminate()
 
     def stop(self) -> None:
         """Wait for its end, and bring it about if need be."""
-        if self._process is None:
-            return
         try:
             self._process.wait(PATIENCE)
         except subprocess.TimeoutExpired:
@@ -161,7 +158,9 @@ class _Child:
         usage = [line.removeprefix(USAGE) for line in lines if line.startswith(USAGE)]
         if code == WRONG_USAGE and usage:
             return f"cannot be baked: {usage[-1]}"
-        if code in {DONE, NOT_ALL_DONE} and objects is not None:
+        if code == DONE and objects is not None:
+            return None
+        if code == NOT_ALL_DONE and objects is not None:
             errors = [line.removeprefix("Error: ") for line in lines if line.startswith("Error: ")]
             errors = [error for error in errors if error not in [entry["error"] for entry in objects]]
             return "is not done: " + "; ".join(errors) if errors else None
@@ -175,23 +174,26 @@ def _run(children: list[_Child], threads: list[int], options: argparse.Namespace
     shows = sys.stderr.isatty() and not options.quiet
     waiting, running, free, done = [*children], [], [*threads], 0
     with _interruption() as interrupted:
-        while (waiting or running) and not interrupted.is_set():
-            while waiting and free:
-                running.append(waiting.pop(0))
-                running[-1].start(free.pop(0))
-            for child in [child for child in running if child.has_ended()]:
-                running.remove(child)
-                free.append(child.threads)
-                done += 1
-                if shows:
-                    text = child.report.error or f"in {child.report.seconds:.1f} s"
-                    print(f"Multibounce AO: {done} of {len(children)}  {child.report.file} {text}", file=sys.stderr)
-            if running:
-                time.sleep(TICK)
-        for child in running:
-            child.terminate()
-        for child in running:
-            child.stop()
+        try:
+            while (waiting or running) and not interrupted.is_set():
+                while waiting and free:
+                    running.append(waiting.pop(0))
+                    running[-1].start(free.pop(0))
+                for child in [child for child in running if child.has_ended()]:
+                    running.remove(child)
+                    free.append(child.threads)
+                    done += 1
+                    if shows:
+                        told = child.report.error or f"in {child.report.seconds:.1f} s"
+                        print(f"Multibounce AO: {done} of {len(children)}  {child.report.file} {told}", file=sys.stderr)
+                if running:
+                    time.sleep(TICK)
+        finally:
+            left = [child for child in running if not child.has_ended()]
+            for child in left:
+                child.terminate()
+            for child in left:
+                child.stop()
 
 
 @contextmanager
