@@ -98,7 +98,7 @@ class MULTIBOUNCE_AO_OT_clear_overrides(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         """In the panel alone, which says whose overrides are meant."""
         overrides = getattr(context, "multibounce_ao_overrides", None)
-        return overrides is not None and overrides.id_data.is_editable
+        return overrides is not None and overrides.id_data.library is None
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         for name in OVERRIDABLE:
