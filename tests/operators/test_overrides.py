@@ -232,7 +232,7 @@ def test_library_data(blend, scene, tmp_path):
     with bpy.data.libraries.load(str(blend), link=True) as (_, here):
         here.objects = ["Prop"]
     linked = here.objects[0]
-    assert linked.multibounce_ao_overrides.values() == {"samples": 8}
+    assert operators("overrides").overridden(linked) == {"samples": 8}
     bpy.context.scene.collection.objects.link(linked)
     local = linked.override_create(remap_local_usages=True)
     local.data = local.data.make_local() if local.data.library else local.data
@@ -265,6 +265,6 @@ def test_clear_overrides():
         override(owner, samples=7, target="TEXTURE")
         with bpy.context.temp_override(multibounce_ao_overrides=owner.multibounce_ao_overrides):
             assert bpy.ops.multibounce_ao.clear_overrides() == {"FINISHED"}
-        assert owner.multibounce_ao_overrides.values() == {}
+        assert operators("overrides").overridden(owner) == {}
         assert owner.multibounce_ao_overrides.samples == 256
     assert not bpy.ops.multibounce_ao.clear_overrides.poll()
