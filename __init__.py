@@ -9,7 +9,7 @@ panels/        draws
 
 import bpy
 
-from .operators import command_line, modal, occluder_cache, settings, uv_checks, view_result
+from .operators import command_line, modal, occluder_cache, overrides, settings, uv_checks, view_result
 from .operators.add_nodes import MULTIBOUNCE_AO_OT_add_curve_nodes, MULTIBOUNCE_AO_OT_add_nodes
 from .operators.apply_field import MULTIBOUNCE_AO_OT_apply_field
 from .operators.bake import MULTIBOUNCE_AO_OT_bake
@@ -35,11 +35,13 @@ from .panels.bake_panel import (
 )
 from .panels.field_panel import MULTIBOUNCE_AO_PT_field
 from .panels.fit_panel import MULTIBOUNCE_AO_PT_fit
+from .panels.override_panels import MULTIBOUNCE_AO_PT_collection, MULTIBOUNCE_AO_PT_object
 from .panels.world_panel import MULTIBOUNCE_AO_PT_world
 
 # In order of registration: the settings' type before its place on the scene, a panel before its sub-panels.
 CLASSES = (
     settings.MultibounceAOSettings,
+    overrides.MultibounceAOOverrides,
     MULTIBOUNCE_AO_OT_bake,
     MULTIBOUNCE_AO_OT_cancel,
     MULTIBOUNCE_AO_OT_clear,
@@ -54,6 +56,7 @@ CLASSES = (
     MULTIBOUNCE_AO_OT_add_world_light,
     MULTIBOUNCE_AO_OT_preset_add,
     MULTIBOUNCE_AO_OT_reset_settings,
+    overrides.MULTIBOUNCE_AO_OT_clear_overrides,
     MULTIBOUNCE_AO_PT_presets,
     MULTIBOUNCE_AO_PT_bake,
     MULTIBOUNCE_AO_PT_occlusion,
@@ -65,6 +68,8 @@ CLASSES = (
     MULTIBOUNCE_AO_PT_fit,
     MULTIBOUNCE_AO_PT_world,
     MULTIBOUNCE_AO_PT_field,
+    MULTIBOUNCE_AO_PT_object,
+    MULTIBOUNCE_AO_PT_collection,
 )
 
 
@@ -72,6 +77,7 @@ def register() -> None:
     for cls in CLASSES:
         bpy.utils.register_class(cls)
     settings.add_to_scene()
+    overrides.register()
     command_line.register()
     occluder_cache.register()
     modal.register()
@@ -85,6 +91,7 @@ def unregister() -> None:
     modal.unregister()
     occluder_cache.unregister()
     command_line.unregister()
+    overrides.unregister()
     settings.remove_from_scene()
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

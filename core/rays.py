@@ -23,6 +23,8 @@ Falloff = Literal["NONE", "LINEAR", "SMOOTH"]
 OFFSET = 1e-5
 # ... plus this fraction of the distance to the scene's centre: eight steps of float32, for what rounding moves.
 OFFSET_PER_COORDINATE = 2.0**-20
+# No step of a ray that goes on is smaller, not even where its origin is zero.
+NO_STEP = float(np.finfo(np.float32).tiny)
 
 
 @dataclass(frozen=True)
@@ -240,7 +242,7 @@ class Occluders:
     def _first_front(self, origins, directions) -> Hits:
         """What each ray meets first from the front; it goes on through faces that it hits from behind."""
         hits = _no_hits(len(origins))
-        travelled = np.zeros(len(origins))
+        travelled, step = np.zeros((2, len(origins)))
         alive = np.arange(len(origins))
         start = origins
         while len(alive):
@@ -253,9 +255,12 @@ class Occluders:
             hits.distance[met], hits.triangle[met] = travelled[met], hit["primID"][found[front]]
             hits.normal[met] = normal[front]
             hits.u[met], hits.v[met] = hit["u"][found[front]], hit["v"][found[front]]
-            alive = alive[~front]
-            # A step past the face, as small as float32 resolves at this distance.
-            travelled[alive] += OFFSET_PER_COORDINATE * (np.abs(origins[alive]).max(axis=1) + travelled[alive])
+            alive, t = alive[~front], t[~front]
+            # A step past the face, as small as float32 resolves at this distance; twice the last one where that did not
+            # lead past it, as in faces that have no width there.
+            least = OFFSET_PER_COORDINATE * (np.abs(origins[alive]).max(axis=1) + travelled[alive]) + NO_STEP
+            step[alive] = np.where(t <= step[alive], np.maximum(2.0 * step[alive], least), least)
+            travelled[alive] += step[alive]
             start = (origins[alive] + travelled[alive, None] * directions[alive]).astype(np.float32)
         return hits
 

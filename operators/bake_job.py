@@ -15,6 +15,7 @@ import traceback
 from collections.abc import Callable, Collection, Generator
 from dataclasses import replace
 from functools import partial
+from tempfile import gettempdir
 
 import bpy
 import numpy as np
@@ -31,6 +32,7 @@ from .mesh_reader import evaluated_mesh, read_surface
 from .names import CHANNELS
 from .object_checks import check_evaluated, check_object
 from .occluder_scenes import OccluderScenes
+from .overrides import Overrides
 from .progress import Progress
 from .report import BakeError, ObjectReport
 from .settings import BakeSettings
@@ -40,6 +42,8 @@ from .tracer import RayCount, Tracer
 from .uv_layout import uv_map_name
 from .version import extension_version
 from .vertex_target import VertexResult, bake_vertices, check_attribute_names, vertex_points
+
+_Baked = tuple[bpy.types.Object, ObjectReport, VertexResult | TextureResult | None, bytes, BakeSettings]
 
 
 def bake(
@@ -52,8 +56,10 @@ def bake(
     store_each: bool = False,
     resume: bool = False,
     share: tuple[int, int] = (1, 1),
+    fixed: Collection[str] = (),
 ) -> Generator[Progress, None, list[ObjectReport]]:
-    """Bake ``objects`` (meshes of the context's view layer) and return a report for each, in their order.
+    """Bake ``objects`` (meshes of the context's view layer) with ``settings``, and what they and their collections
+    override of them; return a report for each, in their order.
 
     An object that cannot be baked has its ``error`` set, and the others are done. Raises BakeError where the settings
     allow no bake at all. With Selected to Active the first of ``objects`` is the active one, and reports are of those
@@ -67,28 +73,26 @@ def bake(
                 colours around
     share       (i, n): bake the i-th of n shares of ``objects``, counted from 1, to the bits that a bake of all gives;
                 a share may be empty
+    fixed       names of settings that nothing overrides
     """
     sources = pairs(objects, selected, settings)
     objects = objects if sources is None else list(sources)
     colours = settings.bounces == "RADIOSITY"
-    scenes = OccluderScenes(context, objects, selected, settings, sources, colours=colours)
+    overrides = Overrides(context.view_layer, fixed)
+    own = {obj: overrides.settings_for(obj, settings) for obj in objects}
+    scenes = OccluderScenes(context, objects, selected, settings, sources, colours=colours, own=own)
     objects = _share_of(objects, *share)
-    warnings = []
-    if settings.target == "TEXTURE" and is_nowhere(settings.output_directory):
-        warnings.append(
-            f"Output '{settings.output_directory}' is relative to a .blend that is not saved yet: "
-            "the images were packed in it instead. Save it and bake again for files"
-        )
-    folder = output_folder(settings.output_directory) if settings.target == "TEXTURE" and not warnings else ""
+    settings_of = [own[obj] for obj in objects]
     reports = [
-        ObjectReport(obj.name, settings.target, samples=settings.samples, warnings=[*warnings]) for obj in objects
+        ObjectReport(obj.name, each.target, samples=each.samples)
+        for obj, each in zip(objects, settings_of, strict=True)
     ]
-    done: list[tuple[bpy.types.Object, ObjectReport, VertexResult | TextureResult | None, bytes]] = []
+    folder = _folder(settings.output_directory, [report for report in reports if report.target == "TEXTURE"])
+    done: list[_Baked] = []
     count = RayCount()
-    tracer = partial(Tracer, settings=settings, threads=threads, count=count)
-    baked_meshes: dict[bpy.types.Mesh, ObjectReport] = {}
-    ends = _ends(objects, settings.target)
-    for obj, report, begin, end in zip(objects, reports, [0.0, *ends], ends, strict=False):
+    baked_meshes: dict[bpy.types.Mesh, tuple[ObjectReport, BakeSettings]] = {}
+    ends = _ends(objects, settings_of)
+    for obj, chosen, report, begin, end in zip(objects, settings_of, reports, [0.0, *ends], ends, strict=False):
 
         def progress(part: float, report=report, begin=begin, end=end) -> Progress:
             return Progress(begin + (end - begin) * part, report.name, count.rays, note=report.note)
@@ -96,18 +100,22 @@ def bake(
         started = time.perf_counter()
         yield progress(0.0)
         try:
-            if settings.target == "VERTEX" and obj.data in baked_meshes:
+            if chosen.target == "VERTEX" and obj.data in baked_meshes:
                 result, mark = None, b""
-                _share(baked_meshes[obj.data], report, settings.bounces)
+                baked, baked_with = baked_meshes[obj.data]
+                _share(baked, report, chosen.bounces)
+                chosen = replace(baked_with, use_material_nodes=chosen.use_material_nodes)
             else:
                 known, partners = baked_fingerprint(obj) if resume else b"", sources and sources[obj]
-                work = _bake_object(context, obj, partners, settings, folder, scenes, tracer, report, known, threads)
+                tracer = partial(Tracer, settings=chosen, threads=threads, count=count)
+                work = _bake_object(context, obj, partners, chosen, folder, scenes, tracer, report, known, threads)
                 result, mark = yield from mapped(work, progress)
-                baked_meshes[obj.data] = report
+                if chosen.target == "VERTEX":
+                    baked_meshes[obj.data] = report, chosen
                 if result is None:
                     tell_of_record(obj, report)
                     continue
-                report.rays = report.points * settings.samples
+                report.rays = report.points * chosen.samples
         except BakeError as error:
             report.error = f"Object '{report.name}' {error}"
             continue
@@ -116,19 +124,33 @@ def bake(
             continue
         except Exception as error:  # a fault of ours, or no memory: the other objects are still to be baked
             traceback.print_exc()
-            report.error = f"Object '{report.name}' could not be baked ({type(error).__name__}: {error}): report this"
+            report.error = _fault(report, error)
             continue
         report.seconds = round(time.perf_counter() - started, 3)
-        done.append((obj, report, result, mark))
+        done.append((obj, report, result, mark, chosen))
         if store_each:
-            _store(*done.pop(), settings)
+            _store(*done.pop())
 
     if done:
         name = done[0][1].name if len(done) == 1 else f"{len(done)} objects"
         yield Progress(1.0, name, count.rays, ready=True)
     for each in done:
-        _store(*each, settings)
+        _store(*each)
     return reports
+
+
+def _folder(setting: str, textures: list[ObjectReport]) -> str:
+    """Where the images of those reports go; empty where they are packed. Raises BakeError."""
+    if not textures:
+        return ""
+    if not is_nowhere(setting):
+        return output_folder(setting)
+    for report in textures:
+        report.warnings.append(
+            f"Output '{setting}' is relative to a .blend that is not saved yet: "
+            "the images were packed in it instead. Save it and bake again for files"
+        )
+    return ""
 
 
 def _share_of(objects: list[bpy.types.Object], index: int, count: int) -> list[bpy.types.Object]:
@@ -137,19 +159,26 @@ def _share_of(objects: list[bpy.types.Object], index: int, count: int) -> list[b
     return [obj for obj in objects if obj.data in mine]
 
 
-def _ends(objects: list[bpy.types.Object], target: str) -> list[float]:
-    """The fraction of the whole bake that is done after each of ``objects``, by how many points it has: face corners,
-    or texels, which are as many for each. Meshes that are shared are baked once."""
-    seen, sizes = set(), []
-    for obj in objects:
-        corners = len(obj.data.loops) if obj.type == "MESH" else 0
-        sizes.append(1.0 if target == "TEXTURE" else 0.0 if obj.data in seen else max(1.0, corners))
-        seen.add(obj.data)
-    return list(np.cumsum(sizes) / max(1.0, np.sum(sizes)))
+def _ends(objects: list[bpy.types.Object], settings: list[BakeSettings]) -> list[float]:
+    """The fraction of the whole bake that is done after each of ``objects`` with its ``settings``, by how many rays it
+    has, from face corners or texels. Meshes that are shared are baked to vertices once."""
+    seen, rays = set(), []
+    for obj, each in zip(objects, settings, strict=True):
+        points = each.resolution**2
+        if each.target == "VERTEX":
+            corners = len(obj.data.loops) if obj.type == "MESH" else 0
+            points = 0 if obj.data in seen else max(1, corners)
+            seen.add(obj.data)
+        rays.append(float(points * each.samples))
+    return list(np.cumsum(rays) / max(1.0, np.sum(rays)))
 
 
 def _deleted(report: ObjectReport) -> str:
     return f"Object '{report.name}' was deleted while the bake was running: bring it back with undo, and bake again"
+
+
+def _fault(report: ObjectReport, error: Exception) -> str:
+    return f"Object '{report.name}' could not be baked ({type(error).__name__}: {error}): report this"
 
 
 def _share(baked: ObjectReport, report: ObjectReport, bounces: str) -> None:
@@ -236,6 +265,10 @@ def _store(
         report.error = _deleted(report)
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
-        report.error = (
-            f"Object '{report.name}' cannot be stored in '{result.folder}' ({reason}): choose another output folder"
-        )
+        how = f"stored in '{result.folder}' ({reason}): choose another output folder"
+        if not result.folder:
+            how = f"packed by way of the temporary folder '{gettempdir()}' ({reason}): make room there"
+        report.error = f"Object '{report.name}' cannot be {how}"
+    except Exception as error:  # a fault of ours: the other objects are still to be stored
+        traceback.print_exc()
+        report.error = _fault(report, error)

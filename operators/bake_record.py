@@ -48,9 +48,8 @@ def plug_recorded(obj: bpy.types.Object) -> list[str]:
     record, warnings = obj[PROPERTY], []
     if record["use_material_nodes"]:
         warnings += plug_object(obj, record["bounces"], baked_source(obj))
-    if "uv_map" in record:  # it has images
-        image = recorded_images(obj)[AO_MAP] if record["use_gltf_occlusion"] else None
-        warnings += plug_object_occlusion(obj, image, record["uv_map"])
+    has_map = record["target"] == "TEXTURE" and record["use_gltf_occlusion"]
+    warnings += plug_object_occlusion(obj, recorded_images(obj)[AO_MAP] if has_map else None, record["uv_map"])
     return warnings
 
 

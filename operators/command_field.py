@@ -6,23 +6,30 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Callable
 
 import bpy
 
 from .bake_field import field_source, summary
 from .command_files import UsageError, keep
-from .command_scene import DONE, NOT_ALL_DONE, add_command, named_objects, no_object, open_scene, progress_for
+from .command_scene import (
+    add_command,
+    exit_code,
+    names_set,
+    no_object,
+    open_objects,
+    progress_for,
+)
 from .field_job import FieldReport, FieldSettings, bake_object_field
-from .progress import Progress, drive
+from .progress import drive
 from .report import BakeError
 
 
 def add_to(commands: argparse._SubParsersAction) -> None:
     """Add the command ``field``."""
-    command = add_command(
+    add_command(
         commands,
         "field",
+        _field,
         help="bake the AO fields of objects",
         description=(
             "Bake what objects of SCENE.blend block of the sky all around them: into node groups of the .blend and, "
@@ -32,21 +39,19 @@ def add_to(commands: argparse._SubParsersAction) -> None:
         object_help="bake the field of this object, or of meshes that a pattern like 'Tree*' names; may be given again",
         failure="something could not be baked (the rest is done and kept) or the .blend not saved",
     )
-    command.set_defaults(run=_field)
 
 
 def _field(options: argparse.Namespace) -> int:
     started = time.perf_counter()
-    scene = open_scene(options)
-    objects, missing = named_objects(options.object) if options.object is not None else ([_active()], [])
-    settings = FieldSettings.of(scene)
-    reports = [_bake(obj, settings, progress_for(options)) for obj in objects]
+    objects, missing = open_objects(options, lambda: [_active()])
+    settings = FieldSettings.of(bpy.context.scene)
+    reports = [_bake(obj, settings, options) for obj in objects]
     reports += [FieldReport(name, error=no_object(name)) for name in missing]
 
     baked = any(report.error is None for report in reports)
     kept = keep(options, reports, started)
     _tell(reports, options, baked)
-    return DONE if kept and not any(report.error for report in reports) else NOT_ALL_DONE
+    return exit_code(kept, reports)
 
 
 def _active() -> bpy.types.Object:
@@ -57,9 +62,10 @@ def _active() -> bpy.types.Object:
     return source
 
 
-def _bake(obj: bpy.types.Object, settings: FieldSettings, show: Callable[[Progress], None]) -> FieldReport:
+def _bake(obj: bpy.types.Object, settings: FieldSettings, options: argparse.Namespace) -> FieldReport:
     try:
-        return drive(bake_object_field(bpy.context, obj, settings), show)
+        work = bake_object_field(bpy.context, obj, settings, fixed=names_set(options))
+        return drive(work, progress_for(options))
     except BakeError as error:
         return FieldReport(obj.name, error=str(error))
 

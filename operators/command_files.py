@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import argparse
+import glob
 import json
 import os
 import sys
@@ -33,6 +34,20 @@ class UsageError(Exception):
     """What was asked for cannot be understood or found; exit code 2."""
 
 
+def blend_files(names: Sequence[str]) -> list[Path]:
+    """The files of these names, or that patterns among them name, each once. Raises UsageError where there is none."""
+    found: dict[Path, Path] = {}
+    for name in map(Path, names):
+        # Only the last part of a path is a pattern.
+        pattern = os.path.join(glob.escape(str(name.parent)), name.name)
+        named = [name] if name.is_file() else [path for path in map(Path, sorted(glob.glob(pattern))) if path.is_file()]
+        if not named:
+            raise UsageError(f"there is no file '{name}'")
+        for path in named:
+            found.setdefault(path.resolve(), path)
+    return list(found.values())
+
+
 def save_scene(name: str) -> bool:
     """Save the .blend as ``name``, or under its own if that is empty; prints why where it cannot be.
 
@@ -42,21 +57,31 @@ def save_scene(name: str) -> bool:
     path = Path(name or bpy.data.filepath).resolve()
     changed = path in _opened and _opened[path] != _state(path)
     target = path.with_name(f"{path.stem}_{os.getpid()}{path.suffix}") if changed else path
-    unfinished = target.with_name(f".{target.name}.{os.getpid()}.part.blend")
+    unfinished = _unfinished(target, os.getpid())
     try:
         bpy.ops.wm.save_as_mainfile(filepath=str(unfinished), copy=True, relative_remap=True)
         os.replace(unfinished, target)
     except (RuntimeError, OSError) as error:
         print(f"Error: '{path}' cannot be saved: {str(error).strip()}", file=sys.stderr)
-        for rest in (unfinished, Path(f"{unfinished}@")):  # the second is Blender's own
-            with suppress(OSError):
-                rest.unlink(missing_ok=True)
+        remove_unfinished(target, os.getpid())
         return False
     if changed:
         print(f"Error: '{path}' was saved by another program meanwhile: this is '{target.name}'", file=sys.stderr)
     else:
         _opened[path] = _state(path)
     return not changed
+
+
+def _unfinished(path: Path, process: int) -> Path:
+    return path.with_name(f".{path.name}.{process}.part.blend")
+
+
+def remove_unfinished(path: Path, process: int) -> None:
+    """Remove what the ``process`` had written of the .blend ``path``, and did not come to finish."""
+    unfinished = _unfinished(path, process)
+    for rest in (unfinished, Path(f"{unfinished}@")):  # the second is Blender's own
+        with suppress(OSError):
+            rest.unlink(missing_ok=True)
 
 
 # The .blend that was opened, as it was then or when it was last saved here.
@@ -76,9 +101,9 @@ def begin_files(options: argparse.Namespace) -> None:
     """Look whether the .blend and the report can be written, and keep in mind what the .blend is now. Raises
     UsageError."""
     if options.report is not None:
-        _check_writable("--report", options.report.resolve(), make=True)
+        check_writable("--report", options.report, make=True)
     if options.save is not None:
-        _check_writable("--save", Path(options.save or options.scene).resolve(), make=False)
+        check_writable("--save", Path(options.save or options.scene), make=False)
     _opened[options.scene.resolve()] = _state(options.scene)
 
 
@@ -95,8 +120,9 @@ def keep(options: argparse.Namespace, reports: Sequence[AnyReport], started: flo
     )
 
 
-def _check_writable(option: str, path: Path, make: bool) -> None:
-    """Try now what is only needed at the end, perhaps of a night. Raises UsageError."""
+def check_writable(option: str, path: Path, make: bool) -> None:
+    """Try now what is only needed at the end, perhaps of a night; ``make`` its folder. Raises UsageError."""
+    path = path.resolve()
     try:
         if make:
             path.parent.mkdir(parents=True, exist_ok=True)

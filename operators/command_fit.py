@@ -10,7 +10,7 @@ import time
 import bpy
 
 from .command_files import UsageError, keep
-from .command_scene import DONE, NOT_ALL_DONE, add_command, no_object, open_scene, progress_for
+from .command_scene import add_command, exit_code, no_object, open_scene, progress_for
 from .fit_bounces import fit_source, summary
 from .fit_job import FitReport, fit_bounces
 from .fit_sources import FitSettings
@@ -20,9 +20,10 @@ from .report import BakeError
 
 def add_to(commands: argparse._SubParsersAction) -> None:
     """Add the command ``fit``."""
-    command = add_command(
+    add_command(
         commands,
         "fit",
+        _fit,
         help="fit the bounce curves of a surface",
         description=(
             "Simulate light that bounces on a surface of SCENE.blend, fit the curves of Multibounce AO Fit to it, and "
@@ -34,7 +35,6 @@ def add_to(commands: argparse._SubParsersAction) -> None:
         object_help="simulate this mesh object",
         failure="the surface could not be fitted or the .blend not saved",
     )
-    command.set_defaults(run=_fit)
 
 
 def _fit(options: argparse.Namespace) -> int:
@@ -53,7 +53,7 @@ def _fit(options: argparse.Namespace) -> int:
 
     kept = keep(options, [report], started)
     _tell(report, options)
-    return DONE if kept and report.error is None else NOT_ALL_DONE
+    return exit_code(kept, [report])
 
 
 def _source(names: list[str] | None) -> bpy.types.Object | bpy.types.Image | str:

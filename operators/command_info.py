@@ -10,15 +10,7 @@ import bpy
 
 from .bake_record import baked_source
 from .command_files import write_report
-from .command_scene import (
-    DONE,
-    NOT_ALL_DONE,
-    add_command,
-    named_objects,
-    no_object,
-    open_scene,
-    print_table,
-)
+from .command_scene import DONE, NOT_ALL_DONE, add_command, no_object, open_objects, print_table
 from .field_record import FIELD, has_field
 from .images import recorded_images
 from .names import PROPERTY
@@ -28,24 +20,20 @@ from .version import extension_version
 
 def add_to(commands: argparse._SubParsersAction) -> None:
     """Add the command ``info``."""
-    command = add_command(
+    add_command(
         commands,
         "info",
+        _info,
         help="tell what is baked in a .blend",
         description="List what bakes left on the objects of SCENE.blend, on stdout and with --report as JSON.",
         object_help="tell of this object, or of all meshes that a pattern such as 'Wall*' names; may be given again",
         failure="an object that was asked for is not there, or has lost its bake",
         changes=False,
     )
-    command.set_defaults(run=_info)
 
 
 def _info(options: argparse.Namespace) -> int:
-    open_scene(options)
-    objects = [obj for obj in bpy.context.view_layer.objects if PROPERTY in obj or has_field(obj)]
-    missing = []
-    if options.object is not None:
-        objects, missing = named_objects(options.object)
+    objects, missing = open_objects(options, _with_something)
     entries = [_entry(obj) for obj in objects]
     entries += [{"name": name, "bake": None, "field": None, "error": no_object(name)} for name in missing]
     written = True
@@ -60,6 +48,11 @@ def _info(options: argparse.Namespace) -> int:
         head = ("object", "target", "bounces", "samples", "points", "mean AO", "field")
         print_table(head, [_row(entry) for entry in entries if entry["name"] not in missing], sys.stdout)
     return DONE if written and not any(entry["error"] for entry in entries) else NOT_ALL_DONE
+
+
+def _with_something() -> list[bpy.types.Object]:
+    """The objects of the view layer on which a bake left anything."""
+    return [obj for obj in bpy.context.view_layer.objects if PROPERTY in obj or has_field(obj)]
 
 
 def _entry(obj: bpy.types.Object) -> dict:

@@ -4,8 +4,6 @@
 from __future__ import annotations
 
 import argparse
-import glob
-import os
 import sys
 import time
 from collections.abc import Iterator
@@ -17,8 +15,8 @@ import bpy
 import numpy as np
 
 from .bake_record import baked_source, plug_recorded
-from .command_files import UsageError, keep
-from .command_scene import DONE, NOT_ALL_DONE, add_command, named_objects, no_object, open_scene, print_table
+from .command_files import blend_files, keep
+from .command_scene import add_command, exit_code, no_object, open_objects, print_table
 from .images import check_image_names, keep_image, recorded_images
 from .mesh_reader import read, read_corner_vertices, read_positions
 from .names import CHANNELS, PROPERTY
@@ -46,6 +44,7 @@ def add_to(commands: argparse._SubParsersAction) -> None:
     command = add_command(
         commands,
         "merge",
+        _merge,
         help="bring bakes of copies of a .blend together in it",
         description=(
             "Take over into SCENE.blend what bake left in the PARTs, copies of it that bake --share --save wrote: "
@@ -62,16 +61,13 @@ def add_to(commands: argparse._SubParsersAction) -> None:
         nargs="+",
         help="a file, or all files that a pattern such as 'part_*.blend' names",
     )
-    command.set_defaults(run=_merge)
 
 
 def _merge(options: argparse.Namespace) -> int:
     started = time.perf_counter()
-    parts = _files(options)
-    open_scene(options)
-    objects, missing = bpy.context.view_layer.objects[:], []
-    if options.object is not None:
-        objects, missing = named_objects(options.object)
+    scene = options.scene.resolve()
+    parts = [part for part in map(Path.resolve, blend_files(options.parts)) if part != scene]
+    objects, missing = open_objects(options, lambda: bpy.context.view_layer.objects[:])
     targets = _Targets(objects, are_all=options.object is None)
     reports = [MergeReport(name, error=no_object(name)) for name in missing]
     for part in parts:
@@ -85,21 +81,7 @@ def _merge(options: argparse.Namespace) -> int:
 
     kept = keep(options, reports, started)
     _tell(reports, options, bool(targets.taken))
-    return DONE if kept and not any(report.error for report in reports) else NOT_ALL_DONE
-
-
-def _files(options: argparse.Namespace) -> list[Path]:
-    """The parts, each once, and not the scene itself. Raises UsageError."""
-    found: dict[Path, None] = {}
-    for part in map(Path, options.parts):
-        # Only the last part of a path is a pattern.
-        pattern = os.path.join(glob.escape(str(part.parent)), part.name)
-        named = [part] if part.is_file() else [path for path in map(Path, sorted(glob.glob(pattern))) if path.is_file()]
-        if not named:
-            raise UsageError(f"there is no file '{part}'")
-        found.update(dict.fromkeys(path.resolve() for path in named))
-    found.pop(options.scene.resolve(), None)
-    return list(found)
+    return exit_code(kept, reports)
 
 
 class _Targets:

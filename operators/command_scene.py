@@ -11,7 +11,7 @@ from pathlib import Path
 
 import bpy
 
-from .command_files import UsageError, begin_files
+from .command_files import AnyReport, UsageError, begin_files
 from .progress import Progress, StderrProgress
 from .settings_text import set_from_text
 
@@ -21,6 +21,7 @@ DONE, NOT_ALL_DONE, WRONG_USAGE = 0, 1, 2
 def add_command(
     commands: argparse._SubParsersAction,
     name: str,
+    run: Callable[[argparse.Namespace], int],
     *,
     help: str,
     description: str,
@@ -28,25 +29,33 @@ def add_command(
     failure: str,
     changes: bool = True,
     bakes: bool = True,
+    several: bool = False,
 ) -> argparse.ArgumentParser:
-    """A command with the options that all have; ``failure`` is what exit code 1 stands for. One that ``changes``
-    nothing has nothing to save, and no settings, nor has one that ``bakes`` nothing."""
+    """A command that ``run`` does, with the options that all have; ``failure`` is what exit code 1 stands for. One that
+    ``changes`` nothing has nothing to save, and no settings, nor has one that ``bakes`` nothing. With ``several`` files
+    it has a list of them, ``files``, as they were written."""
     command = commands.add_parser(
         name,
         help=help,
         description=description,
         epilog=f"Exit code: 0 done, 1 {failure}, 2 wrong usage.",
     )
-    command.add_argument("scene", metavar="SCENE.blend", type=Path)
+    if several:
+        command.add_argument(
+            "files", metavar="SCENE.blend", nargs="+", help="a file, or all that a pattern such as 'shot_*.blend' names"
+        )
+    else:
+        command.add_argument("scene", metavar="SCENE.blend", type=Path)
     command.add_argument("--object", metavar="NAME", action="append", help=object_help)
-    command.set_defaults(set=[], save=None)
+    command.set_defaults(run=run, set=[], save=None)
     if changes and bakes:
         command.add_argument(
             "--set",
             metavar="PROPERTY=VALUE",
             action="append",
             default=[],
-            help="change a setting of scene.multibounce_ao, such as samples=64 or target=TEXTURE; may be given again",
+            help="change a setting of scene.multibounce_ao, such as samples=64 or target=TEXTURE, also for objects and "
+            "collections that override it; may be given again",
         )
     if changes:
         command.add_argument(
@@ -63,6 +72,13 @@ def add_command(
 
 def open_scene(options: argparse.Namespace) -> bpy.types.Scene:
     """Open the .blend and change its settings as asked; returns its scene. Raises UsageError."""
+    (scene,) = open_scenes(options, None)
+    return scene
+
+
+def open_scenes(options: argparse.Namespace, patterns: list[str] | None) -> list[bpy.types.Scene]:
+    """Open the .blend and change the settings of those scenes that ``patterns`` name, or of its active one; returns
+    these. Raises UsageError."""
     path = options.scene
     if not path.is_file():
         raise UsageError(f"there is no file '{path}'")
@@ -70,8 +86,28 @@ def open_scene(options: argparse.Namespace) -> bpy.types.Scene:
     try:
         bpy.ops.wm.open_mainfile(filepath=str(path.resolve()), load_ui=False)
     except RuntimeError as error:
-        raise UsageError(f"'{path}' cannot be opened: {str(error).strip()}") from None
-    scene = bpy.context.scene
+        reason = str(error).strip().removeprefix("Error: ")
+        raise UsageError(f"'{path}' cannot be opened: {reason}") from None
+    scenes = [bpy.context.scene] if patterns is None else _named_scenes(patterns)
+    for scene in scenes:
+        _change_settings(scene, options)
+    return scenes
+
+
+def _named_scenes(patterns: list[str]) -> list[bpy.types.Scene]:
+    """Each once, in the order of the patterns. Raises UsageError where one names none."""
+    found = {}
+    for pattern in patterns:
+        exact = bpy.data.scenes.get((pattern, None))
+        named = [exact] if exact else [each for each in bpy.data.scenes if fnmatchcase(each.name, pattern)]
+        if not named:
+            names = ", ".join(f"'{each.name}'" for each in bpy.data.scenes)
+            raise UsageError(f"there is no scene '{pattern}' in the .blend: choose among {names}")
+        found.update(dict.fromkeys(named))
+    return list(found)
+
+
+def _change_settings(scene: bpy.types.Scene, options: argparse.Namespace) -> None:
     for assignment in options.set:
         name, separator, value = assignment.partition("=")
         if not separator:
@@ -80,7 +116,25 @@ def open_scene(options: argparse.Namespace) -> bpy.types.Scene:
             set_from_text(scene.multibounce_ao, name, value)
         except ValueError as error:
             raise UsageError(f"--set {assignment}: {error}") from None
-    return scene
+
+
+def open_objects(
+    options: argparse.Namespace, usual: Callable[[], list[bpy.types.Object]]
+) -> tuple[list[bpy.types.Object], list[str]]:
+    """Open the .blend as :func:`open_scene` does; returns what --object names and the patterns that name nothing, or
+    else the ``usual`` objects. Raises UsageError."""
+    open_scene(options)
+    return (usual(), []) if options.object is None else named_objects(options.object)
+
+
+def exit_code(kept: bool, reports: Iterable[AnyReport]) -> int:
+    """Of a command whose work is ``kept``, or was not to be, and told by ``reports``."""
+    return DONE if kept and not any(report.error for report in reports) else NOT_ALL_DONE
+
+
+def names_set(options: argparse.Namespace) -> set[str]:
+    """The settings that were given by --set: they hold for all objects, whatever these override."""
+    return {assignment.partition("=")[0] for assignment in options.set}
 
 
 def no_object(name: str) -> str:
@@ -131,10 +185,13 @@ def progress_for(options: argparse.Namespace) -> Callable[[Progress], None]:
     return StderrProgress() if sys.stderr.isatty() and not options.quiet else lambda step: None
 
 
-def print_table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]], file) -> None:
-    """In columns, the first to the left and the others to the right."""
+def print_table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]], file, names: int = 1) -> None:
+    """In columns, the first ``names`` of them to the left and the others to the right."""
     lines = [head, *rows]
-    first, *others = (max(len(line[column]) for line in lines) for column in range(len(head)))
-    for name, *cells in lines:
-        numbers = "".join(f"  {cell:>{width}}" for cell, width in zip(cells, others, strict=True))
-        print(f"{name:<{first}}{numbers}".rstrip(), file=file)
+    widths = [max(len(line[column]) for line in lines) for column in range(len(head))]
+    for line in lines:
+        cells = [
+            f"{cell:<{width}}" if column < names else f"{cell:>{width}}"
+            for column, (cell, width) in enumerate(zip(line, widths, strict=True))
+        ]
+        print("  ".join(cells).rstrip(), file=file)

@@ -9,7 +9,7 @@ import time
 from dataclasses import asdict, dataclass, field
 
 from .command_files import UsageError, keep
-from .command_scene import DONE, NOT_ALL_DONE, add_command, open_scene
+from .command_scene import add_command, exit_code, open_scene
 from .project_world import project_world, summary
 from .report import BakeError
 
@@ -29,15 +29,15 @@ class WorldReport:
 
 def add_to(commands: argparse._SubParsersAction) -> None:
     """Add the command ``world``."""
-    command = add_command(
+    add_command(
         commands,
         "world",
+        _project,
         help="project the World's light for bent cones",
         description="Project the light of the World of SCENE.blend for the bent-cone nodes, and keep it on the scene.",
         object_help="not used: a scene has one World",
         failure="the World could not be projected or the .blend not saved",
     )
-    command.set_defaults(run=_project)
 
 
 def _project(options: argparse.Namespace) -> int:
@@ -58,4 +58,4 @@ def _project(options: argparse.Namespace) -> int:
         print(summary(scene), file=sys.stderr)
         if options.save is None:
             print("The .blend was not saved: add --save to keep the projection in it", file=sys.stderr)
-    return DONE if kept and report.error is None else NOT_ALL_DONE
+    return exit_code(kept, [report])

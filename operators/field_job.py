@@ -8,7 +8,7 @@ before anything is written, so closing the generator at any yield leaves the fil
 from __future__ import annotations
 
 import time
-from collections.abc import Generator
+from collections.abc import Collection, Generator
 from dataclasses import asdict, dataclass, field
 from functools import partial
 
@@ -27,6 +27,7 @@ from .images import output_folder
 from .mesh_reader import linear_inverse
 from .object_checks import check_object
 from .occluder_reader import read_occluders
+from .overrides import Overrides
 from .progress import Progress
 from .report import BakeError
 from .version import extension_version
@@ -78,14 +79,20 @@ class FieldReport:
 
 
 def bake_object_field(
-    context: bpy.types.Context, obj: bpy.types.Object, settings: FieldSettings, threads: int | None = None
+    context: bpy.types.Context,
+    obj: bpy.types.Object,
+    settings: FieldSettings,
+    threads: int | None = None,
+    fixed: Collection[str] = (),
 ) -> Generator[Progress, None, FieldReport]:
-    """Bake the AO field of ``obj``, a mesh object of the context's view layer, and store it. Raises BakeError, which
-    names the object or the output folder.
+    """Bake the AO field of ``obj``, a mesh object of the context's view layer, with ``settings``, and what it and its
+    collections override of them; store it. Raises BakeError, which names the object or the output folder.
 
     threads  default one a core; it changes no bit of the result
+    fixed    names of settings that nothing overrides
     """
     started = time.perf_counter()
+    settings = Overrides(context.view_layer, fixed).settings_for(obj, settings)
     report = FieldReport(obj.name, resolution=settings.field_resolution, samples=settings.samples)
     yield Progress(0.0, obj.name)
     folder = output_folder(settings.output_directory)

@@ -12,8 +12,10 @@ from pathlib import Path
 import bpy
 
 from .high_to_low import pairs
+from .overrides import Overrides
 from .progress import duration_text
 from .report import BakeError, ObjectReport, count_text
+from .settings import BakeSettings
 from .uv_checks import uv_check
 
 # More of them would push the settings out of sight.
@@ -22,12 +24,14 @@ MOST_WARNINGS = 4
 
 @dataclass
 class Forecast:
-    """``points`` and ``rays`` of a bake, its ``seconds`` where earlier bakes tell, and what to warn of, a line each."""
+    """``points`` and ``rays`` of a bake, its ``seconds`` where earlier bakes tell, how many objects have settings of
+    their ``own``, and what to warn of, a line each."""
 
     objects: int = 0
     points: int = 0
     rays: int = 0
     seconds: float | None = None
+    own: int = 0
     warnings: list[str] = field(default_factory=list)
 
     def text(self) -> str:
@@ -36,32 +40,37 @@ class Forecast:
         parts = [objects, f"{count_text(self.points)} points", f"{count_text(self.rays)} rays"]
         if self.seconds is not None:
             parts.append("about " + duration_text(self.seconds) if self.seconds >= 1.0 else "under 1 s")
+        if self.own:
+            parts.append("with overrides" if self.own == self.objects else f"{self.own} with overrides")
         return ", ".join(parts)
 
 
 def forecast(
     objects: list[bpy.types.Object],
-    settings: bpy.types.PropertyGroup,
+    settings: BakeSettings,
     selected: Collection[bpy.types.Object] = (),
 ) -> Forecast:
-    """Of a bake of mesh ``objects`` with ``settings``, and what else is ``selected``, as :func:`.bake_job.bake` takes
-    them. Texels of UV maps that were not looked at yet count as if all were covered."""
+    """Of a bake of mesh ``objects`` of the present view layer with ``settings``, and what else is ``selected``, as
+    :func:`.bake_job.bake` takes them. Texels of UV maps that were not looked at yet count as if all were covered."""
     try:
         sources = pairs(objects, selected, settings)
     except BakeError as error:
         return Forecast(warnings=[str(error)])
     objects = objects if sources is None else list(sources)
-    told, work, seen = Forecast(len(objects)), 0, set()
+    told, work, seen, overrides = Forecast(len(objects)), 0, set(), Overrides(bpy.context.view_layer)
     for obj in objects:
-        points, warnings = (_texels if settings.target == "TEXTURE" else _elements)(obj, settings, seen)
-        if settings.occluders == "VISIBLE" and obj.hide_render and sources is None:
+        chosen = overrides.settings_for(obj, settings)
+        told.own += chosen != settings
+        points, warnings = (_texels if chosen.target == "TEXTURE" else _elements)(obj, chosen, seen)
+        if chosen.occluders == "VISIBLE" and obj.hide_render and sources is None:
             warnings.append("is disabled in renders: it blocks no light on others")
         told.points += points
-        rays = points * settings.samples
+        rays = points * chosen.samples
         told.rays += rays
-        work += work_of(points, settings.samples, settings.bounces)
+        work += work_of(points, chosen.samples, chosen.bounces)
         told.warnings += [f"'{obj.name}' {warning}" for warning in warnings]
-        seen.add(obj.data)
+        if chosen.target == "VERTEX":
+            seen.add(obj.data)
     rate = _rates().get(settings.bounces)
     told.seconds = work / rate if rate else None
     return told
@@ -103,7 +112,7 @@ def _file() -> Path:
     return Path(bpy.utils.extension_path_user(__package__.rpartition(".")[0])) / "rates.json"
 
 
-def _elements(obj: bpy.types.Object, settings: bpy.types.PropertyGroup, seen: set) -> tuple[int, list[str]]:
+def _elements(obj: bpy.types.Object, settings: BakeSettings, seen: set) -> tuple[int, list[str]]:
     """Vertices, or face corners of a mesh that has flat faces or sharp edges."""
     mesh = obj.data
     if mesh in seen:
@@ -111,12 +120,11 @@ def _elements(obj: bpy.types.Object, settings: bpy.types.PropertyGroup, seen: se
     return len(mesh.vertices if mesh.normals_domain == "POINT" else mesh.loops), []
 
 
-def _texels(obj: bpy.types.Object, settings: bpy.types.PropertyGroup, seen: set) -> tuple[int, list[str]]:
+def _texels(obj: bpy.types.Object, settings: BakeSettings, seen: set) -> tuple[int, list[str]]:
     layers = obj.data.uv_layers
     uv_map = settings.uv_map or next((layer.name for layer in layers if layer.active_render), "")
     if uv_map not in layers:
         return 0, [f"has no UV map '{uv_map}'" if settings.uv_map else "has no UV map: unwrap it first"]
-    found = uv_check(obj.data, uv_map)
-    coverage = 1.0 if found is None else found.tiles if settings.use_udim else found.coverage
-    texels = int(coverage * settings.resolution**2)
+    found = uv_check(obj.data, uv_map, settings.use_udim)
+    texels = int((1.0 if found is None else found.coverage) * settings.resolution**2)
     return texels, [f"overlaps itself in UV map '{uv_map}'"] if found is not None and found.overlap else []

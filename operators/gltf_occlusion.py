@@ -24,9 +24,10 @@ def plug_occlusion(material: bpy.types.Material, image: bpy.types.Image, uv_map:
     ]
     if any(node.inputs[OCCLUSION].is_linked for node in outputs if OCCLUSION in node.inputs):
         return f"Material '{material.name}' has an occlusion of its own for glTF, which stays: unlink it for the AO map"
+    group = _group()  # with it, nodes of the artist's own have the input, too
     if not any(OCCLUSION in node.inputs for node in outputs):
         outputs = [_add(tree, "ShaderNodeGroup", 300.0, -400.0)]
-        outputs[0].node_tree = _group()
+        outputs[0].node_tree = group
     output = next(node for node in outputs if OCCLUSION in node.inputs)
     x, y = output.location
     texture, uv = _add(tree, "ShaderNodeTexImage", x - 320.0, y), _add(tree, "ShaderNodeUVMap", x - 520.0, y)
@@ -49,14 +50,20 @@ def _add(tree: bpy.types.NodeTree, kind: str, x: float, y: float) -> bpy.types.N
     return node
 
 
+def _sockets(group: bpy.types.NodeTree) -> list[bpy.types.NodeTreeInterfaceSocket]:
+    return [item for item in group.interface.items_tree if item.item_type == "SOCKET"]
+
+
 def _group() -> bpy.types.NodeTree:
-    """As the exporter's own menu makes it."""
-    found = bpy.data.node_groups.get((GROUP, None))
-    if found is not None and OCCLUSION in found.interface.items_tree:
-        return found
-    group = bpy.data.node_groups.new(GROUP, "ShaderNodeTree")
-    group.interface.new_socket(OCCLUSION, socket_type="NodeSocketFloat")
-    group.interface.new_socket("Thickness", socket_type="NodeSocketFloat").default_value = 0.0
-    for kind in ("NodeGroupInput", "NodeGroupOutput"):
-        group.nodes.new(kind)
+    """The group of the .blend, given the input where it lacks it: exporters know no other name. A new one is as the
+    exporter's own menu makes it."""
+    group = bpy.data.node_groups.get((GROUP, None))
+    if group is None:
+        group = bpy.data.node_groups.new(GROUP, "ShaderNodeTree")
+        group.interface.new_socket(OCCLUSION, socket_type="NodeSocketFloat")
+        group.interface.new_socket("Thickness", socket_type="NodeSocketFloat").default_value = 0.0
+        for kind in ("NodeGroupInput", "NodeGroupOutput"):
+            group.nodes.new(kind)
+    elif not any(item.name == OCCLUSION and item.in_out == "INPUT" for item in _sockets(group)):
+        group.interface.new_socket(OCCLUSION, socket_type="NodeSocketFloat")
     return group

@@ -169,9 +169,12 @@ def store_file(
 ) -> list[str]:
     """Keep what the file ``path`` holds, or those of its ``tiles``, as the image of ``channel``; returns the files, or
     the image's name where it ``is_packed``, so that the files may go."""
-    image = bpy.data.images.load(str(path) if is_packed else as_blender_shows_it(path), check_existing=False)
+    shown = str(path) if is_packed else as_blender_shows_it(path)
+    # The first tile by its own name: Blender finds none by the pattern of all in a folder such as "maps é".
+    image = bpy.data.images.load(shown.replace(UDIM, str(tiles[0])) if tiles else shown, check_existing=False)
     if tiles:
         image.source = "TILED"
+        image.filepath_raw = shown
         image.tiles[0].number = tiles[0]
         for number in tiles[1:]:
             image.tiles.new(tile_number=number)
@@ -179,6 +182,8 @@ def store_file(
     if is_packed:
         image.pack()
         image.filepath_raw = f"//{path.name}"
+        for packed in image.packed_files:  # each of a tile has the path of its own
+            packed.filepath = f"//{Path(packed.filepath).name}"
     keep_image(obj, channel, image)
     if is_packed:
         return [image.name]

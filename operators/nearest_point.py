@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
@@ -23,9 +25,11 @@ def nearest_points(
     The nearest one. Where that faces the other way, as the inner sheet of a thickened one does, the next sheet along
     the point's normal if it faces the point's way. ``positions``, ``normals`` (k, 3): world space, unit normals.
     """
-    centre, extent = surface.vertices.mean(axis=0), surface.extent  # the tree is single precision
+    # The tree is single precision, where squares of large distances overflow. A power of two rounds nothing.
+    centre, unit = surface.vertices.mean(axis=0), 2.0 ** math.frexp(surface.extent)[1]
+    extent = float(surface.extent) / unit
     triangles = surface.vertex_triangles
-    tree = BVHTree.FromPolygons((surface.vertices - centre).tolist(), triangles.tolist(), all_triangles=True)
+    tree = BVHTree.FromPolygons(((surface.vertices - centre) / unit).tolist(), triangles.tolist(), all_triangles=True)
 
     def nearest(position: list[float], normal: list[float]) -> tuple[int, Vector]:
         normal = Vector(normal)
@@ -37,7 +41,7 @@ def nearest_points(
                 point, index = further, next_index
         return index, point
 
-    found = [nearest(*query) for query in zip((positions - centre).tolist(), normals.tolist(), strict=True)]
+    found = [nearest(*query) for query in zip(((positions - centre) / unit).tolist(), normals.tolist(), strict=True)]
     triangle = np.array([index for index, _ in found], np.intp)
-    points = np.array([point for _, point in found], np.float64).reshape(-1, 3) + centre
+    points = np.array([point for _, point in found], np.float64).reshape(-1, 3) * unit + centre
     return triangle, surface.barycentric_at(triangle, points)

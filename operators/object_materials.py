@@ -129,7 +129,10 @@ def remove_if_created(material: bpy.types.Material, objects: Collection[bpy.type
                 # By the operator: ``materials.pop`` shortens the mesh's list and leaves the object's slot standing.
                 obj.active_material_index = index
                 with bpy.context.temp_override(object=obj, active_object=obj):
-                    bpy.ops.object.material_slot_remove()
+                    if bpy.ops.object.material_slot_remove.poll():
+                        bpy.ops.object.material_slot_remove()
+                    else:  # of a library override
+                        obj.data.materials.pop(index=index)
             else:
                 obj.material_slots[index].material = None
     if material.users == 0:

@@ -46,9 +46,12 @@ class OccluderScenes:
         sources: Mapping[bpy.types.Object, Collection[bpy.types.Object]] | None = None,
         *,
         colours: bool = False,
+        own: Mapping[bpy.types.Object, OccluderSettings] | None = None,
     ):
-        """``colours``: read the base colours of what blocks light, too, for :meth:`albedo`."""
+        """``colours``: read the base colours of what blocks light, too, for :meth:`albedo`; ``own`` settings of those
+        objects that do not follow ``settings``."""
         self._colours = colours
+        self._own = own or {}
         self._context = context
         self._settings = settings
         self._rendered = rendered_objects(context.view_layer)
@@ -74,10 +77,11 @@ class OccluderScenes:
 
     def owners_for(self, obj: bpy.types.Object) -> frozenset[bpy.types.Object]:
         """Who blocks the rays of ``obj``: itself always, or what is baked onto it."""
-        others = {"SELF": set(), "SELECTED": self._selected, "VISIBLE": self._shadowing}[self._settings.occluders]
+        which = self._which(obj)
+        others = {"SELF": set(), "SELECTED": self._selected, "VISIBLE": self._shadowing}[which]
         if not self._sources:
             return frozenset({obj, *others})
-        if self._settings.occluders == "VISIBLE":
+        if which == "VISIBLE":
             others = others.difference(*self._sources.values())
         return (self._sources[obj] | others) - self._sources.keys()
 
@@ -85,7 +89,7 @@ class OccluderScenes:
         """What blocks the rays of ``obj``, always with itself; appends to ``warnings`` what its artist should know.
         Reads it in the first step; yields 0 while a scene is built."""
         low, high = self._bounds_of(obj)
-        if self._settings.occluders == "VISIBLE" and not self._sources and obj not in self._rendered:
+        if self._which(obj) == "VISIBLE" and not self._sources and obj not in self._rendered:
             warnings.append("Disabled in renders: it was baked, and blocks no light on other objects")
         owners = self.owners_for(obj)
         if self._scene is None or owners != self._owners:
@@ -102,6 +106,9 @@ class OccluderScenes:
         could not be read."""
         warnings += self._unread
         return self._albedo
+
+    def _which(self, obj: bpy.types.Object) -> str:
+        return self._own.get(obj, self._settings).occluders
 
     def _build(
         self, owners: frozenset[bpy.types.Object], centre: NDArray | None = None

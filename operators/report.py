@@ -19,7 +19,8 @@ class BakeError(Exception):
 @dataclass
 class ObjectReport:
     """The bake of one object; ``error`` is None where it was done. The JSON report lists these fields, but for
-    ``memory``, the bytes that images take while they are baked."""
+    ``memory``, the bytes that images take while they are baked, and for ``file`` and ``scene``, where it is, where
+    there is one of these alone."""
 
     name: str
     target: str
@@ -32,6 +33,8 @@ class ObjectReport:
     warnings: list[str] = field(default_factory=list)
     error: str | None = None
     memory: float = 0.0
+    file: str | None = None
+    scene: str | None = None
 
     @property
     def note(self) -> str:
@@ -63,7 +66,8 @@ class ObjectReport:
             )
 
     def as_dict(self) -> dict:
-        return {name: value for name, value in asdict(self).items() if name != "memory"}
+        left_out = {"memory", *(name for name in ("file", "scene") if getattr(self, name) is None)}
+        return {name: value for name, value in asdict(self).items() if name not in left_out}
 
 
 def statistics(f0: NDArray[np.float32]) -> dict[str, float]:

@@ -8,63 +8,13 @@ from dataclasses import dataclass
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
+from .overridable_settings import OverridableSettings
 
-class MultibounceAOSettings(bpy.types.PropertyGroup):
-    target: EnumProperty(
-        name="Target",
-        description="Where the result is stored",
-        items=(
-            ("VERTEX", "Vertices", "Colour attributes on the mesh"),
-            ("TEXTURE", "Texture", "Images, through a UV map"),
-        ),
-        default="VERTEX",
-    )
-    samples: IntProperty(
-        name="Samples",
-        description="Rays traced from each point: 16 for a draft, 256 are clean, 1024 for what is looked at closely",
-        default=256,
-        min=1,
-        max=2**16,
-        soft_min=16,
-        soft_max=4096,
-    )
-    max_distance: FloatProperty(
-        name="Max Distance",
-        description="Surfaces further away do not occlude. 0: no limit",
-        default=0.0,
-        min=0.0,
-        soft_max=100.0,
-        subtype="DISTANCE",
-        unit="LENGTH",
-    )
-    falloff: EnumProperty(
-        name="Falloff",
-        description="How occlusion fades with the distance of what occludes, up to Max Distance",
-        items=(
-            ("NONE", "None", "Everything within Max Distance occludes fully"),
-            ("LINEAR", "Linear", "Fades evenly from full at contact to nothing at Max Distance"),
-            ("SMOOTH", "Smooth", "As Linear, eased at both ends"),
-        ),
-        default="NONE",
-    )
-    occluders: EnumProperty(
-        name="Occluders",
-        description="Which objects block rays",
-        items=(
-            ("SELF", "Self", "Only the baked object, with the instances it makes"),
-            ("SELECTED", "Selected", "The selected objects"),
-            ("VISIBLE", "Visible", "All objects that are visible and enabled in renders"),
-        ),
-        default="VISIBLE",
-    )
+
+class MultibounceAOSettings(OverridableSettings, bpy.types.PropertyGroup):
     use_ground_plane: BoolProperty(
         name="Ground Plane",
         description="Add an infinite floor under the lowest point of the baked objects",
-        default=False,
-    )
-    ignore_backfaces: BoolProperty(
-        name="Ignore Backfaces",
-        description="Let rays pass through faces that they hit from behind",
         default=False,
     )
     bounces: EnumProperty(
@@ -77,53 +27,11 @@ class MultibounceAOSettings(bpy.types.PropertyGroup):
         ),
         default="BAKED",
     )
-    use_material_nodes: BoolProperty(
-        name="Material Nodes",
-        description="Plug the result into the materials of the baked objects",
-        default=True,
-    )
     seed: IntProperty(
         name="Seed",
         description="Pattern of the noise. The same seed gives the same result",
         default=0,
         min=0,
-    )
-    resolution: IntProperty(
-        name="Resolution",
-        description="Width and height of the images",
-        default=1024,
-        min=1,
-        max=16384,
-        soft_min=64,
-        soft_max=8192,
-        subtype="PIXEL",
-    )
-    margin: IntProperty(
-        name="Margin",
-        description="How far the result extends past the edges of UV islands",
-        default=16,
-        min=0,
-        max=32767,
-        soft_max=64,
-        subtype="PIXEL",
-    )
-    use_udim: BoolProperty(
-        name="UDIM Tiles",
-        description="Bake every UDIM tile that the UV map reaches into, to tiled images",
-        default=False,
-    )
-    margin_type: EnumProperty(
-        name="Margin Type",
-        description="How the result is extended",
-        items=(
-            ("ADJACENT_FACES", "Adjacent Faces", "Use pixels from adjacent faces across UV seams"),
-            ("EXTEND", "Extend", "Extend border pixels outwards"),
-        ),
-        default="ADJACENT_FACES",
-    )
-    uv_map: StringProperty(
-        name="UV Map",
-        description="UV map to bake into. Empty: the one that is active for rendering",
     )
     output_directory: StringProperty(
         name="Output",
@@ -166,7 +74,7 @@ class MultibounceAOSettings(bpy.types.PropertyGroup):
     )
     exr_codec: EnumProperty(
         name="Codec",
-        description="Compression of the OpenEXR files. All of these keep every bit",
+        description="Compression of the OpenEXR files, of packed tiles and maps too. All of these keep every bit",
         items=(
             ("NONE", "None", "No compression"),
             ("RLE", "RLE", "Lossless run length encoding compression"),
@@ -214,32 +122,6 @@ class MultibounceAOSettings(bpy.types.PropertyGroup):
         "pairs cast no shadow, unless Occluders is Selected",
         default=False,
     )
-    cage_object: PointerProperty(
-        type=bpy.types.Object,
-        name="Cage Object",
-        description="Object to use as cage instead of calculating the cage from the active object with cage extrusion",
-        poll=lambda self, obj: obj.type == "MESH",
-    )
-    cage_extrusion: FloatProperty(
-        name="Cage Extrusion",
-        description="Inflate the active object by the specified distance for baking. This helps matching to points "
-        "nearer to the outside of the selected object meshes",
-        default=0.0,
-        min=0.0,
-        soft_max=1.0,
-        subtype="DISTANCE",
-        unit="LENGTH",
-    )
-    max_ray_distance: FloatProperty(
-        name="Max Ray Distance",
-        description="The maximum ray distance for matching points between the active and selected objects. If zero, "
-        "there is no limit",
-        default=0.0,
-        min=0.0,
-        soft_max=1.0,
-        subtype="DISTANCE",
-        unit="LENGTH",
-    )
     height_map: PointerProperty(
         type=bpy.types.Image,
         name="Height Map",
@@ -254,22 +136,6 @@ class MultibounceAOSettings(bpy.types.PropertyGroup):
         soft_max=0.5,
         precision=3,
         subtype="FACTOR",
-    )
-    field_resolution: IntProperty(
-        name="Resolution",
-        description="Texels along the faces of the AO field's cubemaps: 16 for most, 32 or 64 for intricate shapes",
-        default=16,
-        min=8,
-        max=64,
-        subtype="PIXEL",
-    )
-    use_field_volume: BoolProperty(
-        name="Volume",
-        description=(
-            "Also measure 16 x 16 x 16 places within the object's convex hull, for what stands under, in or between "
-            "its parts. The node group grows by half"
-        ),
-        default=False,
     )
 
 

@@ -24,23 +24,22 @@ TICK = 0.1
 
 @dataclass(frozen=True)
 class UVCheck:
-    """``coverage`` of the 0-1 tile in [0, 1], and of all UDIM ``tiles`` together, in tiles; whether faces
-    ``overlap`` in the 0-1 tile."""
+    """``coverage`` in tiles, and whether faces ``overlap``: of the 0-1 tile, or of all UDIM tiles together."""
 
     coverage: float
-    tiles: float
     overlap: bool
 
 
-# By the mesh's session_uid and the UV map; None while it is looked for.
-_known: dict[tuple[int, str], UVCheck | None] = {}
-_wanted: list[tuple[int, str]] = []
+# By the mesh's session_uid, the UV map, and whether it has tiles; None while it is looked for.
+_known: dict[tuple[int, str, bool], UVCheck | None] = {}
+_wanted: list[tuple[int, str, bool]] = []
 _work: Generator | None = None
 
 
-def uv_check(mesh: bpy.types.Mesh, uv_map: str) -> UVCheck | None:
-    """What is known of ``uv_map`` of ``mesh``. None where nothing is yet: it is found out, and panels drawn again."""
-    key = mesh.session_uid, uv_map
+def uv_check(mesh: bpy.types.Mesh, uv_map: str, has_tiles: bool) -> UVCheck | None:
+    """What is known of ``uv_map`` of ``mesh``, in UDIM tiles where it ``has_tiles``. None where nothing is yet: it is
+    found out, and panels drawn again."""
+    key = mesh.session_uid, uv_map, has_tiles
     if key not in _known:
         _known[key] = None
         _wanted.append(key)
@@ -49,13 +48,15 @@ def uv_check(mesh: bpy.types.Mesh, uv_map: str) -> UVCheck | None:
     return _known[key]
 
 
-def check_layout(triangle_uv: NDArray[np.float64]) -> UVCheck:
+def check_layout(triangle_uv: NDArray[np.float64], has_tiles: bool) -> UVCheck:
     """Of a layout (m, 3, 2)."""
-    texels = rasterise(triangle_uv, SIZE, SIZE)
-    coverage, tiles = (
-        expected_texels(triangle_uv, SIZE, count) / SIZE**2 for count in (1, len(touched_tiles(triangle_uv)))
-    )
-    return UVCheck(coverage, tiles, overlaps(triangle_uv, len(texels.texel), SIZE))
+    numbers = touched_tiles(triangle_uv) if has_tiles else [1001]
+    covered = 0
+    for number in numbers:
+        corner = (number - 1001) % 10, (number - 1001) // 10
+        covered += len(rasterise(triangle_uv - corner, SIZE, SIZE).texel)
+    coverage = expected_texels(triangle_uv, SIZE, len(numbers)) / SIZE**2
+    return UVCheck(coverage, overlaps(triangle_uv, covered, SIZE, has_tiles))
 
 
 def _go_on() -> float | None:
@@ -81,7 +82,7 @@ def _begin() -> Generator[float, None, None]:
         return
     mesh.calc_loop_triangles()
     uv = read(mesh.uv_layers[key[1]].uv, "vector", 2, np.float32).astype(np.float64)
-    found = yield from in_thread(calling(check_layout, uv[read_triangles(mesh)]))
+    found = yield from in_thread(calling(check_layout, uv[read_triangles(mesh)], key[2]))
     if key in _known:  # else it has changed meanwhile
         _known[key] = found
 

@@ -8,10 +8,12 @@ from bl_ui.utils import PresetPanel
 
 from ..operators.bake import selected_meshes
 from ..operators.forecast import MOST_WARNINGS, forecast
+from ..operators.images import map_names
 from ..operators.modal import Running, running
 from ..operators.names import PROPERTY
 from ..operators.presets import FOLDER
 from ..operators.report import count_text
+from ..operators.settings import BakeSettings
 from .sidebar import SidebarPanel
 
 # Draft shows in a blink whether the settings are right; Good is clean to a careful eye, and the default.
@@ -65,7 +67,7 @@ class MULTIBOUNCE_AO_PT_bake(SidebarPanel, bpy.types.Panel):
         meshes = selected_meshes(context)
         if not meshes or context.mode != "OBJECT":
             return
-        told = forecast(meshes, context.scene.multibounce_ao, context.selected_objects)
+        told = forecast(meshes, BakeSettings.of(context.scene), context.selected_objects)
         if told.objects:
             self._wrapped(context, told.text(), "NONE")
         for warning in told.warnings[:MOST_WARNINGS]:
@@ -162,10 +164,14 @@ class MULTIBOUNCE_AO_PT_output(SidebarPanel, bpy.types.Panel):
         column = self._column(self.layout)
         # Bounce curves and AO fields go there too, whatever the target.
         column.prop(settings, "output_directory", text="Folder")
-        files = column.column()
-        files.active = settings.target == "TEXTURE" and settings.output_directory != ""
-        files.prop(settings, "color_depth")
-        files.prop(settings, "exr_codec")
+        writes, has_folder = settings.target == "TEXTURE", settings.output_directory != ""
+        depth, codec = column.row(), column.row()
+        depth.active = writes and has_folder
+        depth.prop(settings, "color_depth")
+        # Tiles and maps are OpenEXR files where they are packed, too.
+        exr_maps = settings.map_format == "OPEN_EXR" and map_names(settings) != ()
+        codec.active = writes and (has_folder or settings.use_udim or exr_maps)
+        codec.prop(settings, "exr_codec")
 
 
 class MULTIBOUNCE_AO_PT_maps(SidebarPanel, bpy.types.Panel):

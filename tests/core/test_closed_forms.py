@@ -4,10 +4,12 @@
 k_A = (1/pi) * integral of V cos, alpha = (1/2pi) * integral of V, 1024 samples.
 """
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from core.rays import Obscurance
+from core.rays import Obscurance, Occluders
 
 from .shapes import box, join, plate, quad, sphere
 from .tracing import see
@@ -154,6 +156,25 @@ def test_ignore_backfaces():
     both = join(box(), (large, faces[:, ::-1]))
     assert (see(both, inside, UP, obscurance=Obscurance(ignore_backfaces=True)).f0 == 0.0).all()
     assert (see(box(), inside, UP).f0 == 0.0).all()
+
+
+def test_ignored_backfaces_without_width_end_the_ray():
+    """Triangles that are a line, as single precision sees them: rays along it meet them again and again."""
+    roof = np.array([(0, 0, 0), (1e30, 0, 0), (1e30, 1, 0), (0, 1, 0), (5e29, 0.5, 1)])
+    faces = [(0, 1, 2), (0, 2, 3), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)]
+    occluders = Occluders(roof, faces)
+    directions = np.random.default_rng(0).normal(size=(500, 3)).astype(np.float32)
+    origins = np.repeat(occluders.vertices, 100, axis=0)
+    run, calls = occluders._scene.run, []
+
+    def counted(*arguments, **options):
+        calls.append(1)
+        assert len(calls) < 1000, "the rays go on without an end"
+        return run(*arguments, **options)
+
+    occluders._scene = SimpleNamespace(run=counted)
+    hits = occluders.hits(origins, directions, Obscurance(ignore_backfaces=True))
+    assert hits.triangle.max() < len(faces)
 
 
 def test_falloff_without_max_distance_is_plain_occlusion():

@@ -261,3 +261,21 @@ def test_files_stay(tmp_path):
     clear(obj)
     assert sorted(tmp_path.iterdir()) == files
     assert not bpy.data.images
+
+
+def test_a_library_override_with_a_mesh_of_its_own(scene, tmp_path):
+    """Blender's operator removes no slots of library overrides."""
+    plate("Prop")
+    path = tmp_path / "library.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    with bpy.data.libraries.load(str(path), link=True) as (_, here):
+        here.objects = ["Prop"]
+    bpy.context.scene.collection.objects.link(here.objects[0])
+    obj = here.objects[0].override_create(remap_local_usages=True)
+    obj.data = obj.data.copy()
+    bake(obj, samples=4)
+    assert obj.data.materials
+    clear(obj)
+    assert not obj.data.materials and not bpy.data.materials
+    assert "multibounce_ao" not in obj and not obj.data.color_attributes

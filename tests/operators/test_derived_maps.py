@@ -177,6 +177,20 @@ def test_gltf_nodes_come_and_go():
 
 
 @pytest.mark.usefixtures("fitted")
+def test_a_vertex_bake_has_no_map_for_gltf():
+    """With the setting left on, whether there is a map of an earlier bake or not."""
+    floor = corner()
+    tree = colour(floor, (0.5, 0.5, 0.5, 1))
+    vertices = MADE | {"target": "VERTEX"}
+    bake(floor, **vertices, use_gltf_occlusion=True)
+    assert not gltf_nodes(tree)
+    bake(floor, **MADE, use_gltf_occlusion=True)
+    assert gltf_nodes(tree)
+    bake(floor, **vertices, use_gltf_occlusion=True)
+    assert not gltf_nodes(tree)
+
+
+@pytest.mark.usefixtures("fitted")
 def test_an_occlusion_of_the_artists_own_stays():
     floor = corner()
     tree = colour(floor, (0.5, 0.5, 0.5, 1))
@@ -188,6 +202,27 @@ def test_an_occlusion_of_the_artists_own_stays():
     (report,) = reports(floor, **MADE, use_gltf_occlusion=True)
     assert "'Paint' has an occlusion of its own" in " ".join(report.warnings)
     assert output.inputs["Occlusion"].links[0].from_node == value
+
+
+@pytest.mark.usefixtures("fitted")
+@pytest.mark.parametrize("in_material", [False, True])
+def test_a_gltf_group_without_occlusion_gets_the_input(tmp_path, in_material):
+    """The exporter finds the group by its name alone, so there must be no second one, "glTF Material Output.001"."""
+    floor = corner()
+    tree = colour(floor, (0.5, 0.5, 0.5, 1))
+    group = bpy.data.node_groups.new("glTF Material Output", "ShaderNodeTree")
+    group.interface.new_socket("Thickness", socket_type="NodeSocketFloat")
+    if in_material:
+        tree.nodes.new("ShaderNodeGroup").node_tree = group
+    bake(floor, **MADE, use_gltf_occlusion=True)
+    assert [each.name for each in bpy.data.node_groups if "glTF" in each.name] == ["glTF Material Output"]
+    assert [item.name for item in group.interface.items_tree] == ["Thickness", "Occlusion"]
+    (output,) = gltf_nodes(tree)
+    assert output.inputs["Occlusion"].links[0].from_node.image == image(floor, "AO")
+    told, _ = exported(tmp_path / "floor.glb")
+    assert any("occlusionTexture" in material for material in told["materials"])
+    clear(floor)
+    assert len(gltf_nodes(tree)) == in_material
 
 
 @pytest.mark.usefixtures("fitted")

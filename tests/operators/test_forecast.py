@@ -4,6 +4,7 @@
 import time
 
 import bpy
+import numpy as np
 import pytest
 
 from .bakes import bake, change_settings, operators, reports
@@ -11,7 +12,8 @@ from .meshes import add_uv_map, box, plate, positions
 
 
 def forecast(*objects):
-    return operators("forecast").forecast(list(objects), bpy.context.scene.multibounce_ao)
+    settings = operators("settings").BakeSettings.of(bpy.context.scene)
+    return operators("forecast").forecast(list(objects), settings)
 
 
 def look_at_layouts():
@@ -125,4 +127,22 @@ def test_texels_of_all_tiles_count():
     look_at_layouts()
     assert forecast(obj).points == 64 * 64
     change_settings(use_udim=True)
+    forecast(obj)
+    look_at_layouts()
     assert forecast(obj).points == 3 * 64 * 64
+    assert forecast(obj).warnings == []
+
+
+def test_overlap_in_any_tile():
+    """A map that folds back in the second tile: without tiles nothing is baked there, with them it is."""
+    obj = plate()
+    x, y = (positions(obj)[:, :2].T + 1) / 2
+    add_uv_map(obj.data, np.column_stack((1.5 - abs(x - 0.5), y)), "Folded")
+    change_settings(target="TEXTURE", resolution=16, samples=1, uv_map="Folded")
+    for use_udim, told in ((False, []), (True, ["'Plate' overlaps itself in UV map 'Folded'"])):
+        change_settings(use_udim=use_udim)
+        forecast(obj)
+        look_at_layouts()
+        assert forecast(obj).warnings == told
+    (done,) = reports(obj, samples=1)
+    assert any("overlaps itself" in warning for warning in done.warnings)

@@ -129,3 +129,16 @@ def test_loose_vertices_and_edges():
     assert len(attribute(obj)) == 5
     np.testing.assert_array_equal(f0(obj)[:3], 1)
     assert np.isfinite(attribute(obj)).all()
+
+
+def test_topology_of_a_surface_as_large_as_floats_hold():
+    """The same bits at a scale whose squares overflow single precision."""
+    found = []
+    for name, scale in (("Plain", 1.0), ("Huge", 2.0**90)):
+        obj = box(name, inward=True)
+        obj.modifiers.new("Array", "ARRAY").count = 2
+        obj.scale = (scale,) * 3
+        (report,) = reports(obj, occluders="SELF")
+        assert report.error is None and warns_of_topology(report)
+        found.append(attribute(obj))
+    np.testing.assert_allclose(*found, atol=1e-5)

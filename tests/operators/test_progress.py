@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What is told of progress: how long it will still take, how fast the rays are, and a bar that keeps its pace."""
 
+from dataclasses import replace
+
+import bpy
 import pytest
 
 from .bakes import generator, operators
@@ -49,10 +52,14 @@ def test_objects_count_by_their_size(fitted):
     small, large, empty = plate("Small", steps=1), plate("Large", steps=32), box("Lamp")
     shared = plate("Shared")
     shared.data = large.data
-    ends = operators("bake_job")._ends([small, large, shared, empty], "VERTEX")
+    settings = operators("settings").BakeSettings.of(bpy.context.scene)
+    ends = operators("bake_job")._ends([small, large, shared, empty], [settings] * 4)
     whole = 4 + 4 * 32**2 + 24
     assert ends == pytest.approx([4 / whole, (whole - 24) / whole, (whole - 24) / whole, 1.0])
-    assert operators("bake_job")._ends([small, large], "TEXTURE") == pytest.approx([0.5, 1.0])
+    textures = replace(settings, target="TEXTURE")
+    assert operators("bake_job")._ends([small, large], [textures] * 2) == pytest.approx([0.5, 1.0])
+    finer = replace(textures, resolution=2 * textures.resolution)
+    assert operators("bake_job")._ends([small, large], [textures, finer]) == pytest.approx([0.2, 1.0])
 
 
 @pytest.mark.parametrize("bounces", ["FITTED", "BAKED"])

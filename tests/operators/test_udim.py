@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tiled images: every tile that a UV map reaches into."""
 
+import tempfile
+
 import bpy
 import numpy as np
 import pytest
@@ -64,7 +66,7 @@ def test_two_tiles(to_files, tmp_path):
     left = pixels(bpy.data.images["Floor Multibounce AO"])[..., 0]
     move(floor, (1, 0))
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
-    folder = "//maps" if to_files else ""
+    folder = "//my übermaps" if to_files else ""  # Blender finds no tiles by their pattern there
     (report,) = reports(
         floor, **MADE, ignore_backfaces=True, output_directory=folder, use_ao_map=True, use_material_nodes=False
     )
@@ -73,10 +75,10 @@ def test_two_tiles(to_files, tmp_path):
     if to_files:
         names = [f"Floor_{what}.{n}" for what in ("multibounce_ao", "bent_cone", "ao") for n in (1002, 1011)]
         files = {f"{name}.{'png' if '_ao.' in name and 'multi' not in name else 'exr'}" for name in names}
-        assert {path.name for path in (tmp_path / "maps").iterdir()} == files
+        assert {path.name for path in (tmp_path / "my übermaps").iterdir()} == files
         assert len(report.outputs) == 6
         for number, red in ((1002, left), (1011, 0 * left)):
-            values = read_exr(tmp_path / "maps" / f"Floor_multibounce_ao.{number}.exr")
+            values = read_exr(tmp_path / "my übermaps" / f"Floor_multibounce_ao.{number}.exr")
             np.testing.assert_array_equal(values[..., 0], red)
     bpy.ops.wm.save_mainfile()
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "scene.blend"))
@@ -165,3 +167,32 @@ def test_a_bake_to_tiles_in_files_is_known_again_while_they_are_all_there(tmp_pa
     assert known(floor)
     (tmp_path / "Floor_bent_cone.1011.exr").unlink()
     assert not known(floor)
+
+
+def test_what_is_packed_forgets_the_temporary_folder():
+    """Unpacked, the files go beside the .blend, under the names that they have as files."""
+    floor = floor_in_two_tiles()
+    bake(floor, **MADE, output_directory="", use_ao_map=True)
+    paths = {packed.filepath for image in bpy.data.images for packed in image.packed_files}
+    assert paths == {
+        f"//Floor_{name}.{number}.{extension}"
+        for name, extension in (("multibounce_ao", "exr"), ("bent_cone", "exr"), ("ao", "png"))
+        for number in (1002, 1011)
+    }
+
+
+def test_packing_on_a_full_disk(monkeypatch):
+    """It is packed by way of files in the temporary folder: that is what the message names."""
+    floor = floor_in_two_tiles()
+
+    def full(*_, **__):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(operators("texture_result"), "write_exr", full)
+    (report,) = reports(floor, **MADE, output_directory="")
+    assert report.error == (
+        f"Object 'Floor' cannot be packed by way of the temporary folder '{tempfile.gettempdir()}' (no space left on "
+        "device): make room there"
+    )
+    assert not bpy.data.images
+    assert "multibounce_ao" not in floor

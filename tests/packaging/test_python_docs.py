@@ -13,7 +13,7 @@ PAGE = Path(__file__).resolve().parents[2] / "docs" / "python.md"
 
 @pytest.fixture(scope="module")
 def examples():
-    """Of a tool in Blender, and of one without."""
+    """Of a tool in Blender, of overrides there, and of a tool without Blender."""
     return re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
 
 
@@ -30,12 +30,21 @@ def test_in_blender(examples, empty_scene, capsys):
     assert "Multibounce AO" in bpy.data.objects["Suzanne"].data.attributes
 
 
+def test_overrides(examples, empty_scene):
+    import bpy
+
+    bpy.ops.mesh.primitive_plane_add()
+    exec(compile(examples[1], "python.md", "exec"), {"bpy": bpy})
+    bpy.ops.multibounce_ao.bake()
+    assert bpy.context.object["multibounce_ao"]["samples"] == 1024
+
+
 def test_without_blender(examples):
     """F0 beside a wall of height 1 and half-width 1 at distance d, in front of its middle: 1 minus the form factor of a
     rectangle that stands on the point's plane (Howell, A Catalog of Radiation Heat Transfer Configuration Factors,
     B-4), twice one half of it."""
     found = {}
-    exec(compile(examples[1], "python.md", "exec"), found)
+    exec(compile(examples[2], "python.md", "exec"), found)
     d = found["x"] + 1.0
     root = np.hypot(1.0, d)
     blocked = 2 * (np.arctan(1 / d) - d / root * np.arctan(1 / root)) / (2 * np.pi)

@@ -20,9 +20,10 @@ OPERATORS = {
 
 @pytest.fixture
 def panels(extension, empty_scene):
-    """The extension's panels of the sidebar by name, in the order of registration; not the menu of presets."""
+    """The extension's panels of the sidebar by name, in the order of registration; not the menu of presets, nor what
+    the Properties editor shows."""
     ours = [cls for cls in bpy.types.Panel.__subclasses__() if cls.__module__.startswith(extension.__name__)]
-    found = [cls for cls in ours if cls.bl_region_type != "HEADER"]
+    found = [cls for cls in ours if cls.bl_region_type == "UI"]
     assert found
     return {cls.__name__: cls for cls in found}
 
@@ -109,6 +110,14 @@ def test_what_does_not_apply_is_grey(panels):
     settings.use_bent_normal_map = True
     grey = {name for name, active in properties(everything(panels)).items() if not active}
     assert grey == packed | {"height_map_amplitude"}
+    # What is packed as an OpenEXR file has a codec, too.
+    for name, value, other in (("use_udim", True, False), ("map_format", "OPEN_EXR", "PNG_8")):
+        setattr(settings, name, value)
+        assert {name for name, active in properties(everything(panels)).items() if not active} == {
+            "color_depth",
+            "height_map_amplitude",
+        }
+        setattr(settings, name, other)
     settings.output_directory = "//maps"
     settings.height_map = bpy.data.images.new("Relief", 4, 4)
     assert all(properties(everything(panels)).values())

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What ``bake`` prints on stderr when it is done."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Mapping
+
+from .command_scene import print_table
+from .report import ObjectReport, count_text
+
+
+def tell(
+    reports: list[ObjectReport],
+    options: argparse.Namespace,
+    seconds: float,
+    files: Mapping[str, str | None] | None = None,
+) -> None:
+    """Print what cannot be missed, then all in a table. ``files``, where there are several: what is wrong with each."""
+    broken = {file: error for file, error in (files or {}).items() if error}
+    for file, error in broken.items():
+        print(f"Error: '{file}' {error}", file=sys.stderr)
+    for report in reports:
+        where = f"'{report.file}': " if files else ""
+        if report.error:
+            print(f"Error: {where}{report.error}", file=sys.stderr)
+        elif not options.quiet:
+            for warning in report.warnings:
+                print(f"Warning: {where}'{report.name}': {warning}", file=sys.stderr)
+    if options.quiet:
+        return
+    names = [name for name, is_told in (("file", files), ("scene", options.scenes), ("object", True)) if is_told]
+    rows = [
+        (
+            *({"file": report.file, "scene": report.scene or "-", "object": report.name}[name] for name in names),
+            count_text(report.points),
+            count_text(report.rays),
+            f"{report.seconds:.2f}",
+            f"{report.f0['mean']:.4f}" if report.f0 and not report.error else "failed",
+        )
+        for report in reports
+    ]
+    rows += [(file, *["-"] * (len(names) + 2), "failed") for file in broken]
+    print_table((*names, "points", "rays", "seconds", "mean AO"), rows, sys.stderr, len(names))
+    failed = sum(report.error is not None for report in reports)
+    counted = f"{len(reports) - failed} baked, {failed} failed"
+    if files:
+        counted += f", {len(broken)} of {len(files)} files failed"
+    print(f"{counted}, in {seconds:.1f} s", file=sys.stderr)
+    if failed < len(reports) and options.save is None:
+        saved = "files were" if files else "was"
+        print(f"The .blend {saved} not saved: add --save to keep the bake in it", file=sys.stderr)
