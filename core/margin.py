@@ -46,17 +46,20 @@ def extend_margin(
         away = np.square(from_row - (row + inner.start)) + np.square(from_column - column)
         rim = away <= margin * margin
         row, column, from_row, from_column = row[rim] + first, column[rim], from_row[rim] + low, from_column[rim]
-        for image in images:
-            image[row, column] = image[from_row, from_column]
+        rest = np.ones(len(row), bool)
         if faces is not None and len(row):
             seam = _nearest_seam(faces, row, column, from_row, from_column, covered.shape[1])
             at = faces.beyond(seam, column + 0.5, row + 0.5)
             goes_on = np.flatnonzero(np.isfinite(at).all(axis=0))
             values, share = bilinear(images, covered, at[:, goes_on])
-            found = np.flatnonzero(share > ENOUGH)
-            row, column = row[goes_on[found]], column[goes_on[found]]
+            found = share > ENOUGH
+            goes_on = goes_on[found]
+            rest[goes_on] = False
             for image, value in zip(images, values, strict=True):
-                image[row, column] = value[found]
+                image[row[goes_on], column[goes_on]] = value[found]
+        row, column, from_row, from_column = row[rest], column[rest], from_row[rest], from_column[rest]
+        for image in images:
+            image[row, column] = image[from_row, from_column]
 
     with Workers(threads) as workers:
         workers.map(extend, range(0, len(covered), rows))
