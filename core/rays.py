@@ -138,11 +138,12 @@ class Occluders:
     def off_surface(self, local: NDArray, normals: NDArray, extent: float) -> NDArray[np.float64]:
         """As :meth:`origins`, for positions ``local`` that are in Embree's units already."""
         away = OFFSET * extent * self.scale + OFFSET_PER_COORDINATE * np.abs(local).max(axis=0)
-        return local + away * normals
+        return np.ascontiguousarray(local + away * normals)
 
     def lift(self, origins: NDArray[np.float64], normals: NDArray, height: NDArray, extent: float) -> None:
-        """Move ``origins`` (3, ...) from :meth:`origins` in place along ``normals`` (3, ...), by ``height`` (...) in
-        world units, but at most half way to what is there. Less than the offset they have already is left out."""
+        """Move ``origins`` (3, ...), as :meth:`origins` makes them, in place along ``normals`` (3, ...), by ``height``
+        (...) in world units, but at most half way to what is there. Less than the offset they have already is left
+        out."""
         height = height.reshape(-1) * self.scale
         raised = np.flatnonzero(height > OFFSET * extent * self.scale)
         if not len(raised):
@@ -150,10 +151,11 @@ class Occluders:
         height = height.take(raised)
         at, along = (each.reshape(3, -1).take(raised, axis=1) for each in (origins, normals))
         rays = [each.T.astype(np.float32, order="C") for each in (at, along)]
-        # What is further than twice the height leaves it as it is, and short rays are fast.
-        reach = (2.0 * height).astype(np.float32)
-        free = self._scene.run(*rays, dists=reach.copy(), query="DISTANCE") if len(self.triangles) else reach
-        height = np.where(free < reach, 0.5 * free, height)
+        # Few have anything within twice their height, and short rays tell that fast.
+        if len(self.triangles):
+            blocked = self._scene.run(*rays, dists=(2.0 * height).astype(np.float32), query="OCCLUDED")
+            low = np.flatnonzero(blocked == 0)
+            height[low] = np.minimum(height[low], 0.5 * self._first(*(each[low] for each in rays)))
         if self.ground_height is not None:
             height = np.minimum(height, 0.5 * self.scale * self._ground(*rays))
         for position, step in zip(origins, height * along, strict=True):
