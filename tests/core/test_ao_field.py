@@ -163,7 +163,10 @@ def test_a_sheet_has_a_field():
     mesh = plate()
     positions, normals = receivers(mesh, 1500)
     truth = occlusion(mesh, positions, normals, 1024)
-    print(f"a sheet: rms of A around it {rms(field.occlusion(positions, normals) - truth):.4f}")
+    error = rms(field.occlusion(positions, normals) - truth)
+    print(f"a sheet: rms of A around it {error:.4f}")
+    # Beside its edges, where places in contact see next to nothing, a fit that goes astray shows at once.
+    assert error < 0.06
 
 
 @pytest.mark.parametrize(
