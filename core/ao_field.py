@@ -4,12 +4,15 @@
 Around the object's centre, by direction omega and distance r (the notes "Ambient Occlusion Fields", after Kontkanen and
 Laine 2005), it gives the solid angle and the mean direction of what is blocked:
 
-    Omega(omega, r)   = 1 / (a r^2 + b r + c)
-    Upsilon(omega, r) = normalize(C0 - r omega)
+    Omega(omega, r)   = 1 / (a r^2 + b r + c + d r sqrt(r^2 - r0^2))
+    Upsilon(omega, r) = normalize((r0 / r)^e C0 - r0 omega)
 
-A cap is a poor likeness of an open shape, a ring or a table, so a second radial function Omega_M of the same form keeps
-the size of the blocked moment too: M = (1/pi) * integral of w over what is blocked, Omega_M the cap that has it. Both
-together make a larger cap that is blocked in part (:func:`core.cap.covered_cap`).
+With d = 0 and e = 1 these are the notes' functions. The square root lets a sphere be met, and e how fast the direction
+turns from what a face beside the receiver has to the centre's.
+
+A cap is a poor likeness of an open shape, a ring or a table, so a second radial function Omega_M of the same form, with
+the same d, keeps the size of the blocked moment too: M = (1/pi) * integral of w over what is blocked, Omega_M the cap
+that has it. Both together make a larger cap that is blocked in part (:func:`core.cap.covered_cap`).
 """
 
 from __future__ import annotations
@@ -76,10 +79,11 @@ class AOField:
     centre         (3,) float64, in the object's space
     radius         of the sphere about the centre that holds the object
     r_near, r_far  distances from the centre between which the shadow fades out
-    a, b, c        (6, n, n) float64, of the denominator of Omega: 1/(sr m^2), 1/(sr m), 1/sr
+    a, b, c, d     (6, n, n) float64, of the denominator of Omega: 1/(sr m^2), 1/(sr m), 1/sr, 1/(sr m^2)
     r0             (6, n, n) float64, distance from the centre to the convex hull
     a_m, b_m, c_m  (6, n, n) float64, as a, b, c of Omega_M
     c0             (6, n, n, 3) float64, C0, metres from the centre
+    e              (6, n, n) float64, at least 1: how soon the direction is that of the centre
     a0, p          A0, the occlusion at the centre, and how fast it turns from the hull's to that
     volume         what is blocked inside the hull, in place of A0, or None
 
@@ -93,11 +97,13 @@ class AOField:
     a: NDArray[np.float64]
     b: NDArray[np.float64]
     c: NDArray[np.float64]
+    d: NDArray[np.float64]
     r0: NDArray[np.float64]
     a_m: NDArray[np.float64]
     b_m: NDArray[np.float64]
     c_m: NDArray[np.float64]
     c0: NDArray[np.float64]
+    e: NDArray[np.float64]
     a0: float
     p: float
     volume: FieldVolume | None = None
@@ -131,15 +137,16 @@ class AOField:
     def caps(self, positions: ArrayLike, *, plain_cap: bool = False) -> Caps:
         """What ``positions`` (k, 3) see of the object; inside its hull, what the place above on the hull sees."""
         r, omega = self._polar(positions)
-        a, b, c, r0 = lookup(np.stack((self.a, self.b, self.c, self.r0), axis=-1), omega).T
+        a, b, c, d, r0, e = lookup(np.stack((self.a, self.b, self.c, self.d, self.r0, self.e), axis=-1), omega).T
         r_clamp = np.maximum(r, r0)
-        Omega = 1.0 / ((a * r_clamp + b) * r_clamp + c)
-        Upsilon = lookup(self.c0, omega) - r_clamp[:, None] * omega
+        root = d * r_clamp * np.sqrt(r_clamp * r_clamp - r0 * r0)
+        Omega = 1.0 / ((a * r_clamp + b) * r_clamp + c + root)
+        Upsilon = ((r0 / r_clamp) ** e)[:, None] * lookup(self.c0, omega) - r0[:, None] * omega
         Upsilon /= np.linalg.norm(Upsilon, axis=1, keepdims=True)
         if plain_cap:
             return Caps(Upsilon, Omega, np.ones_like(Omega))
         a, b, c = lookup(np.stack((self.a_m, self.b_m, self.c_m), axis=-1), omega).T
-        Omega_M = 1.0 / ((a * r_clamp + b) * r_clamp + c)
+        Omega_M = 1.0 / ((a * r_clamp + b) * r_clamp + c + root)
         part, larger = covered_cap(Omega, moment_of_cap(Omega_M))
         return Caps(Upsilon, larger, part)
 

@@ -87,22 +87,26 @@ def bake_field(
             # The same distance in hulls, not metres: beside an edge of the hull clearance matters, not r.
             r_here = (r[near] * (r0_part[:, None] / r0[near])[..., None]).reshape(shape)
             w = np.broadcast_to(weight[part, :, None], (*near.shape, radii)).reshape(shape)
-            abc, abc_m = (
-                fit_solid_angle(r_here, each[near].reshape(shape), w, r0_part, r_min[part]) for each in (Omega, Omega_M)
-            )
-            # An error of the direction counts as much as what is blocked there.
-            w_moment = w * np.square(length[near].reshape(shape))
-            c0 = fit_direction(r_here, Upsilon[near].reshape(*r_here.shape, 3), w_moment, omega[part], r0_part)
-            return np.column_stack((abc.T, r0_part, abc_m.T, c0))
+            near_Omega, near_Omega_M, near_length = (each[near].reshape(shape) for each in (Omega, Omega_M, length))
+            # Beyond the object's sphere an error weighs by the distance: more of a floor lies there.
+            w_far = w * np.maximum(r_here / hull.radius, 1.0)
+            a, b, c, d = fit_solid_angle(r_here, near_Omega, w_far, r0_part, r_min[part])
+            abc_m = fit_solid_angle(r_here, near_Omega_M, w_far, r0_part, r_min[part], d)[:3]
+            # An error of the direction weighs by what is blocked there, |M|. Its square would let contact alone decide.
+            near_Upsilon = Upsilon[near].reshape(*r_here.shape, 3)
+            c0, e = fit_direction(r_here, near_Upsilon, w * near_length, omega[part], r0_part)
+            # Eleven bits of e are enough, and make smaller files.
+            return np.column_stack((a, b, c, d, r0_part, *abc_m, e.astype(np.float16), c0))
 
         parts = slices(len(omega), TEXELS_PER_PART)
         fitted = yield from mapped(workers.mapping(fit, parts), lambda done: 0.65 + 0.15 * done)
         maps = np.concatenate(fitted).astype(np.float32).astype(np.float64)[texel]
-        a, b, c, r0_map, a_m, b_m, c_m = np.moveaxis(maps[..., :7], -1, 0).copy()
+        a, b, c, d, r0_map, a_m, b_m, c_m, e = np.moveaxis(maps[..., :9], -1, 0).copy()
         field = AOField(
             **{"centre": hull.centre, "radius": hull.radius},
             **{"r_near": R_NEAR * hull.radius, "r_far": R_FAR * hull.radius},
-            **{"a": a, "b": b, "c": c, "r0": r0_map, "a_m": a_m, "b_m": b_m, "c_m": c_m, "c0": maps[..., 7:].copy()},
+            **{"a": a, "b": b, "c": c, "d": d, "r0": r0_map, "a_m": a_m, "b_m": b_m, "c_m": c_m},
+            **{"c0": maps[..., 9:].copy(), "e": e},
             # Inside a convex body everything is blocked.
             **{"a0": 1.0, "p": 1.0},
         )

@@ -3,7 +3,7 @@
 
     <name>_ao_field_occlusion.exr   R, G, B, A = a, b, c, r0
     <name>_ao_field_direction.exr   R, G, B, A = C0 x, y, z, and a'
-    <name>_ao_field_moment.exr      R, G, B    = b', c', 0: a', b', c' are a, b, c of Omega_M
+    <name>_ao_field_moment.exr      R, G, B, A = b', c', d, e: a', b', c' are a, b, c of Omega_M
     <name>_ao_field_volume.exr      R, G, B, A = M x, y, z, and Omega; not always there
     <name>_ao_field.json
 
@@ -24,11 +24,12 @@ from numpy.typing import NDArray
 from .ao_field import AOField, FieldVolume
 from .whole_files import whole_files
 
-# Of the files' layout: a reader refuses what it does not know.
-VERSION = 1
+# Of the files' layout: a reader refuses what it does not know. The first had 0 in place of d, and no e, which was 1.
+VERSION = 2
+READ_VERSIONS = (1, 2)
 MODEL = (
-    "Omega = 1/(a r^2 + b r + c) at max(r, r0) from the centre, Upsilon = normalize(C0 - r omega); "
-    "Omega_M the same with a', b', c'; see docs/ao_fields.md"
+    "Omega = 1/(a r^2 + b r + c + d r sqrt(r^2 - r0^2)) at max(r, r0) from the centre, "
+    "Upsilon = normalize((r0/r)^e C0 - r0 omega); Omega_M as Omega with a', b', c'; see docs/ao_fields.md"
 )
 
 
@@ -39,11 +40,10 @@ def save_field(field: AOField, folder: str | Path, name: str) -> list[Path]:
     one. A volume of an earlier field goes. Raises OSError where the folder cannot be written.
     """
     folder = Path(folder)
-    empty = np.zeros_like(field.b_m)
     images = {
         "occlusion": _tall(field.a, field.b, field.c, field.r0),
         "direction": _tall(*np.moveaxis(field.c0, -1, 0), field.a_m),
-        "moment": _tall(field.b_m, field.c_m, empty),
+        "moment": _tall(field.b_m, field.c_m, field.d, field.e),
     }
     if field.volume is not None:
         # z, y, x: the slices below each other.
@@ -71,12 +71,12 @@ def load_field(path: str | Path) -> AOField:
     path = Path(path)
     try:
         told = json.loads(path.read_text(encoding="utf-8"))
-        if told["version"] != VERSION:
-            raise ValueError(f"{path} is an AO field of version {told['version']}; this reads version {VERSION}")
+        if told["version"] not in READ_VERSIONS:
+            raise ValueError(f"{path} is an AO field of version {told['version']}; this reads {READ_VERSIONS}")
         n, files = told["resolution"], {key: path.with_name(name) for key, name in told["files"].items()}
         a, b, c, r0 = _faces(_read(files["occlusion"], "RGBA", (6 * n, n)), n)
         *c0, a_m = _faces(_read(files["direction"], "RGBA", (6 * n, n)), n)
-        b_m, c_m, _ = _faces(_read(files["moment"], "RGB", (6 * n, n)), n)
+        b_m, c_m, d, *e = _faces(_read(files["moment"], "RGB" if told["version"] == 1 else "RGBA", (6 * n, n)), n)
         volume = None
         if "volume" in told:
             m = told["volume"]["resolution"]
@@ -86,7 +86,8 @@ def load_field(path: str | Path) -> AOField:
         return AOField(
             centre=np.array(told["centre"], np.float64),
             **{key: told[key] for key in ("radius", "r_near", "r_far")},
-            **{"a": a, "b": b, "c": c, "r0": r0, "a_m": a_m, "b_m": b_m, "c_m": c_m, "c0": np.stack(c0, axis=-1)},
+            **{"a": a, "b": b, "c": c, "d": d, "r0": r0, "a_m": a_m, "b_m": b_m, "c_m": c_m},
+            **{"c0": np.stack(c0, axis=-1), "e": e[0] if e else np.ones_like(r0)},
             **{"a0": told["A0"], "p": told["p"], "volume": volume},
         )
     except (KeyError, TypeError, json.JSONDecodeError) as error:
@@ -123,16 +124,14 @@ def _faces(image: NDArray[np.float64], n: int) -> NDArray[np.float64]:
 
 
 def _write(path: Path, pixels: NDArray, is_cube: bool) -> None:
-    """``pixels`` (h, w, 3 or 4), top row first, as channels R, G, B, A of their own type."""
+    """``pixels`` (h, w, 4), top row first, as channels R, G, B, A of their own type."""
     import OpenEXR
 
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
     if is_cube:
         header["envmap"] = OpenEXR.ENVMAP_CUBE
     # Single channels: core/exr.py says why.
-    channels = {
-        name: np.ascontiguousarray(each) for name, each in zip("RGBA", np.moveaxis(pixels, -1, 0), strict=False)
-    }
+    channels = {name: np.ascontiguousarray(each) for name, each in zip("RGBA", np.moveaxis(pixels, -1, 0), strict=True)}
     with OpenEXR.File(header, channels) as file:
         file.write(str(path))
 

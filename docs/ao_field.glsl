@@ -6,7 +6,7 @@
 
 uniform sampler2D occlusion_map;  // a, b, c, r0
 uniform sampler2D direction_map;  // C0, a'
-uniform sampler2D moment_map;     // b', c'
+uniform sampler2D moment_map;     // b', c', d, e
 uniform vec3 centre;              // the JSON file's
 uniform float r_near;
 uniform float r_far;
@@ -54,11 +54,12 @@ float ao_field(vec3 x, vec3 n)
     vec4 towards = textureLod(direction_map, uv, 0.0);
     vec4 moment = textureLod(moment_map, uv, 0.0);
     float r_clamp = max(r, abc.w);
-    float Omega = 1.0 / ((abc.x * r_clamp + abc.y) * r_clamp + abc.z);
-    float Omega_M = 1.0 / ((towards.w * r_clamp + moment.x) * r_clamp + moment.y);
+    float root = moment.z * r_clamp * sqrt(r_clamp * r_clamp - abc.w * abc.w);
+    float Omega = 1.0 / ((abc.x * r_clamp + abc.y) * r_clamp + abc.z + root);
+    float Omega_M = 1.0 / ((towards.w * r_clamp + moment.x) * r_clamp + moment.y + root);
     float M = Omega_M / (2.0 * PI) * (2.0 - Omega_M / (2.0 * PI));
     float larger = max(4.0 * PI * (1.0 - PI * M / Omega), Omega);
-    vec3 Upsilon = normalize(towards.xyz - r_clamp * w);
+    vec3 Upsilon = normalize(pow(abc.w / r_clamp, moment.w) * towards.xyz - abc.w * w);
     float A = Omega / larger * cap_occlusion(min(larger, 4.0 * PI), dot(n, Upsilon));
     float t = pow(min(r / abc.w, 1.0), p);
     float blended = t * A + (1.0 - t) * A0;

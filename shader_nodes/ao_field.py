@@ -21,6 +21,7 @@ from . import field_volume, spherical_cap
 from .environment import direction_of, texture
 from .expression import Expression, Graph, clamp, maximum, minimum
 from .field_atlas import BANDS, BORDER, COLUMNS, ROWS
+from .field_drivers import follow
 from .functions import (
     absolute,
     components,
@@ -31,12 +32,13 @@ from .functions import (
     normalised,
     select,
     sign,
+    sqrt,
     vector,
 )
 from .group import Socket, ensure_group, find_group, outdate_group, rename_group
 
 NAME = "AO Field"
-VERSION = 2
+VERSION = 3
 
 # Which object a group is of, its node "Place" tells: a pointer among a tree's custom properties would be miscounted
 # when EEVEE compiles it.
@@ -79,7 +81,7 @@ def ensure(obj: bpy.types.Object, has_volume: bool = False) -> bpy.types.ShaderN
     tree = ensure_group(name, VERSION, _INPUTS, _OUTPUTS, partial(_build, has_volume=has_volume))
     tree[_FIELD_KEY], tree[_VOLUME_KEY] = True, has_volume
     tree.nodes["Place"].object = obj
-    _drive(tree, obj)
+    follow(tree, obj)
     return tree
 
 
@@ -146,46 +148,23 @@ def _group_name(obj: bpy.types.Object) -> str:
     return name[: _LONGEST_NAME - len(digest)].decode(errors="ignore") + digest
 
 
-def _drive(tree: bpy.types.ShaderNodeTree, obj: bpy.types.Object) -> None:
-    """World rotation as a quaternion, mean scale, whose sign tells of mirroring, and whether renders hide the object.
-    These drivers need no Python."""
-    tree.animation_data_clear()
-    rotation, scale = tree.nodes["Rotation"], tree.nodes["Scale"]
-    for socket, channel in (
-        *zip(rotation.inputs, ("ROT_X", "ROT_Y", "ROT_Z"), strict=True),
-        (tree.nodes["w"].outputs[0], "ROT_W"),
-        (scale.outputs[0], "SCALE_AVG"),
-    ):
-        target = _driven_by(socket, obj, "TRANSFORMS")
-        target.transform_type = channel
-        target.transform_space = "WORLD_SPACE"
-        target.rotation_mode = "QUATERNION"
-    _driven_by(tree.nodes["Hidden"].outputs[0], obj, "SINGLE_PROP").data_path = "hide_render"
-
-
-def _driven_by(socket: bpy.types.NodeSocket, obj: bpy.types.Object, kind: str) -> bpy.types.DriverTarget:
-    """A driver that gives ``socket`` the value of its one variable, of ``kind``; returns what that reads of ``obj``."""
-    driver = socket.driver_add("default_value").driver
-    driver.type = "AVERAGE"
-    variable = driver.variables.new()
-    variable.type = kind
-    variable.targets[0].id = obj
-    return variable.targets[0]
-
-
 def _build(tree: bpy.types.ShaderNodeTree, has_volume: bool) -> None:
     graph = Graph(tree)
     x, n = _place(graph)
-    abc, abc_m, c0, r0_map = _look_up(graph, *_face(graph, x))
+    abc, abc_m, c0, r0_d_e = _look_up(graph, *_face(graph, x))
     with graph.frame("r; within the convex hull, r0, the field is that at the hull"):
         r = length(x).named("r")
         omega = (x / r).named("omega")
-        (r0, _, _) = components(r0_map, "r0", "unused", "unused")
+        r0, d, e = components(r0_d_e, "r0", "d", "e")
         r_clamp = maximum(r, r0).named("r clamp")
-    solid_angle = _radial(graph, "Omega", abc, r_clamp)
-    solid_angle_m = _radial(graph, "Omega M", abc_m, r_clamp)
-    with graph.frame("Upsilon = normalize(C0 - r omega); k = n . Upsilon"):
-        upsilon = normalised(c0 - r_clamp * omega).named("Upsilon")
+    with graph.frame("d r sqrt(r^2 - r0^2)"):
+        root = (d * r_clamp * sqrt((r_clamp - r0) * (r_clamp + r0))).named("root")
+    solid_angle = _radial(graph, "Omega", abc, r_clamp, root)
+    solid_angle_m = _radial(graph, "Omega M", abc_m, r_clamp, root)
+    with graph.frame("Upsilon = normalize((r0 / r)^e C0 - r0 omega); k = n . Upsilon"):
+        # Of pictures that older bakes left there is no e, but 0; in these it is 1.
+        near = ((r0 / r_clamp) ** maximum(e, 1)).named("(r0 / r)^e")
+        upsilon = normalised(near * c0 - r0 * omega).named("Upsilon")
         k = dot(n, upsilon).named("k")
     with graph.frame("|M| of Omega M"):
         half = solid_angle_m / (2 * pi)
@@ -259,14 +238,14 @@ def _look_up(graph: Graph, s: Expression, t: Expression, column: Expression, row
         # A band is a quarter of the picture's width, and so of a turn about z.
         third, fourth = -first, -second
         turns = ((first, second), (second, third), (third, fourth), (fourth, first))
-    with graph.frame("the maps: a, b, c of Omega; of Omega M; C0; r0"):
+    with graph.frame("the maps: a, b, c of Omega; of Omega M; C0; r0, d, e"):
         return [texture(graph, f"Maps {band + 1}", *turn, height) for band, turn in enumerate(turns)]
 
 
-def _radial(graph: Graph, name: str, coefficients: Expression, r: Expression) -> Expression:
-    with graph.frame(f"{name} = 1 / (a r^2 + b r + c)"):
+def _radial(graph: Graph, name: str, coefficients: Expression, r: Expression, root: Expression) -> Expression:
+    with graph.frame(f"{name} = 1 / (a r^2 + b r + c + root)"):
         a, b, c = components(coefficients, "a", "b", "c")
-        return (1 / ((a * r + b) * r + c)).named(name)
+        return (1 / ((a * r + b) * r + c + root)).named(name)
 
 
 def _within_volume(graph: Graph, x: Expression, n: Expression) -> Expression:

@@ -27,14 +27,13 @@ BORDER = 1
 def atlas_pixels(field: AOField) -> NDArray[np.float32]:
     """Pixels (4 (n + 2), 12 (n + 2), 4), bottom row first, of a field of resolution n.
 
-    The bands: a, b, c; a_m, b_m, c_m; C0; r0 and nothing else. Alpha is 1.
+    The bands: a, b, c; a_m, b_m, c_m; C0; r0, d, e. Alpha is 1.
     """
-    empty = np.zeros_like(field.r0)
     bands = (
         np.stack((field.a, field.b, field.c), axis=-1),
         np.stack((field.a_m, field.b_m, field.c_m), axis=-1),
         field.c0,
-        np.stack((field.r0, empty, empty), axis=-1),
+        np.stack((field.r0, field.d, field.e), axis=-1),
     )
     side = field.resolution + 2 * BORDER
     pixels = np.zeros((ROWS * side, BANDS * COLUMNS * side, 4), np.float32)

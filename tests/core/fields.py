@@ -116,8 +116,9 @@ def error_on_floor(name, mesh, field):
 
 
 def assert_no_pole(field):
-    """Both denominators of every texel are positive and rise from its r0 on, which a vertex before r0 tells; and
-    between texels, where r0 is another's, the solid angle stays finite."""
+    """Both denominators of every texel are positive and rise from its r0 on, which a vertex before r0 tells, and a d
+    that only adds; and between texels, where r0 is another's, the solid angle stays finite."""
+    assert (field.d >= 0.0).all() and (field.e >= 1.0).all()
     for a, b, c in ((field.a, field.b, field.c), (field.a_m, field.b_m, field.c_m)):
         assert (a > 0.0).all()
         assert (2.0 * a * field.r0 + b > 0.0).all()

@@ -59,8 +59,9 @@ def test_solid_angle_of_a_sphere():
         print(f"sphere, by rays at one of {aimed} R: Omega within {100 * error:.2f} %, |M| within {100 * moment:.2f} %")
         assert error < 0.01 and moment < 0.01
     fitted = made("sphere")[1].caps(r[:, None] * omega, plain_cap=True).solid_angle
-    off = np.abs(fitted - expected).max()
-    print(f"the function fitted to 8 radii is off by {off:.3f} sr at most, {off / np.pi:.3f} of what A can be there")
+    off = np.abs(fitted / expected - 1.0).max()
+    print(f"sphere, by the functions fitted to 8 radii: Omega within {100 * off:.2f} %")
+    assert off < 0.01
 
 
 @pytest.mark.parametrize("name", SHAPES)
@@ -105,7 +106,7 @@ def test_field_is_continuous_at_the_hull_and_fades_out():
     omega, normals = unit(np.random.default_rng(3).normal(size=(2, 500, 3)))
     r0 = lookup(field.r0, omega)
     for each in (field, replace(field, volume=None)):
-        at = [each.occlusion(field.centre + (r0 * s)[:, None] * omega, normals) for s in (1.0 - 1e-9, 1.0 + 1e-9)]
+        at = [each.occlusion(field.centre + (r0 * s)[:, None] * omega, normals) for s in (1.0 - 1e-14, 1.0 + 1e-14)]
         assert np.abs(at[0] - at[1]).max() < 1e-6
     far = field.centre + field.r_far * omega
     assert (field.occlusion(far, normals) == 0.0).all()
@@ -117,7 +118,7 @@ def test_same_bits_for_any_number_of_threads():
     mesh = SHAPES["table"]()
     options = {"resolution": 8, "samples": 64, "volume": True}
     first, second = (baked(mesh, threads=threads, **options) for threads in (1, 3))
-    for key in ("a", "b", "c", "r0", "a_m", "b_m", "c_m", "c0", "centre"):
+    for key in ("a", "b", "c", "d", "r0", "a_m", "b_m", "c_m", "c0", "e", "centre"):
         assert getattr(first, key).tobytes() == getattr(second, key).tobytes(), key
     assert (first.a0, first.p, first.volume.p) == (second.a0, second.p, second.volume.p)
     assert first.volume.values.tobytes() == second.volume.values.tobytes()
@@ -144,7 +145,7 @@ def test_rounding_of_coordinates_does_not_matter():
     for seed in range(4):
         rounded = vertices + 1e-16 * np.random.default_rng(seed).integers(-1, 2, vertices.shape)
         found = baked((rounded, triangles), **options)
-        for key in ("a", "b", "c", "r0", "a_m", "b_m", "c_m"):
+        for key in ("a", "b", "c", "d", "r0", "a_m", "b_m", "c_m"):
             np.testing.assert_allclose(getattr(found, key), getattr(field, key), rtol=1e-6, err_msg=key)
 
 
@@ -162,7 +163,10 @@ def test_a_sheet_has_a_field():
     mesh = plate()
     positions, normals = receivers(mesh, 1500)
     truth = occlusion(mesh, positions, normals, 1024)
-    print(f"a sheet: rms of A around it {rms(field.occlusion(positions, normals) - truth):.4f}")
+    error = rms(field.occlusion(positions, normals) - truth)
+    print(f"a sheet: rms of A around it {error:.4f}")
+    # Beside its edges, where places in contact see next to nothing, a fit that goes astray shows at once.
+    assert error < 0.06
 
 
 @pytest.mark.parametrize(

@@ -7,10 +7,10 @@ import numpy as np
 import OpenEXR
 import pytest
 
-from core.cubemap import nodes
+from core.cubemap import lookup, nodes
 from core.field_files import load_field, save_field
 
-from .fields import made, receivers
+from .fields import made, receivers, unit
 
 
 @pytest.mark.parametrize("volume", [False, True])
@@ -22,7 +22,7 @@ def test_loading_gives_the_same_numbers(tmp_path, volume):
     assert size < 100_000
     assert sorted(paths) == sorted(tmp_path.iterdir()) and paths[-1].name == "Table_ao_field.json"
     loaded = load_field(paths[-1])
-    for key in ("centre", "a", "b", "c", "r0", "a_m", "b_m", "c_m", "c0"):
+    for key in ("centre", "a", "b", "c", "d", "r0", "a_m", "b_m", "c_m", "c0", "e"):
         assert getattr(loaded, key).tobytes() == getattr(field, key).tobytes(), key
     for key in ("radius", "r_near", "r_far", "a0", "p", "resolution"):
         assert getattr(loaded, key) == getattr(field, key), key
@@ -51,6 +51,29 @@ def test_cubemaps_are_openexrs(tmp_path):
     assert middle[0] == pytest.approx(0.9, rel=0.02) and middle[2] == pytest.approx(0.6, rel=0.02)
     told = json.loads((tmp_path / "Table_ao_field.json").read_text())
     assert {"centre", "radius", "r_near", "r_far", "A0", "p", "resolution", "version", "units"} <= set(told)
+
+
+def test_files_of_the_first_version_load(tmp_path):
+    """They had 0 in place of d, and no e, which is 1: Omega and Upsilon of the published model."""
+    mesh, field = made("table")
+    path = save_field(field, tmp_path, "Table")[-1]
+    moment = tmp_path / "Table_ao_field_moment.exr"
+    with OpenEXR.File(str(moment), separate_channels=True) as file:
+        channels = {name: file.channels()[name].pixels.copy() for name in "RGB"}
+    channels["B"][:] = 0.0
+    with OpenEXR.File({"type": OpenEXR.scanlineimage, "envmap": OpenEXR.ENVMAP_CUBE}, channels) as file:
+        file.write(str(moment))
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"version": 1}))
+    loaded = load_field(path)
+    positions, _ = receivers(mesh, 500)
+    r = np.linalg.norm(positions - field.centre, axis=1)
+    omega = (positions - field.centre) / r[:, None]
+    a, b, c, r0 = lookup(np.stack((field.a, field.b, field.c, field.r0), axis=-1), omega).T
+    assert (r > r0).mean() > 0.95
+    outside, caps = r > r0, loaded.caps(positions, plain_cap=True)
+    assert caps.solid_angle[outside] == pytest.approx(1.0 / ((a * r + b) * r + c)[outside])
+    towards = lookup(field.c0, omega) - r[:, None] * omega
+    assert caps.direction[outside] == pytest.approx(unit(towards)[outside])
 
 
 def test_a_field_without_a_volume_takes_an_older_volume_away(tmp_path):

@@ -60,6 +60,7 @@ def _field(rng: np.random.Generator, directions: np.ndarray, node: np.ndarray, d
     powers = np.stack([at**power for power in (2, 1, 0)], axis=-1)
     a_m, b_m, c_m = np.linalg.solve(powers.swapaxes(0, 1), (1 / omega_m).T[..., None])[..., 0].T
     c0 = 0.3 * directions + np.stack([draw(-0.2, 0.2) for _ in range(3)], axis=-1)
-    maps = [np.float32(each).astype(float)[node] for each in (a, b, c, r0, a_m, b_m, c_m, c0)]
+    d, e = draw(0.0, 0.5) * a, draw(1.0, 6.0)
+    maps = [np.float32(each).astype(float)[node] for each in (a, b, c, d, r0, a_m, b_m, c_m, c0, e)]
     centre = np.float32(rng.uniform(-0.1, 0.1, 3)).astype(float)
     return AOField(centre, 1.0, 1.5, 4.0, *maps, a0=0.37, p=2.6)

@@ -150,7 +150,7 @@ def test_follows_its_parent(modules, prop, tmp_path):
 def test_follows_an_animation(modules, prop, tmp_path):
     """The drivers are evaluated at each frame."""
     rng = np.random.default_rng(7)
-    field = random_field(rng)
+    field = smooth_field(rng, 16)
     group = group_with(modules, prop, field)
     plates = Plates.random(rng, 24, 5.0)
     for frame, angle in ((1, 0.0), (11, 2.0)):
@@ -203,6 +203,17 @@ def test_volume(modules, prop, tmp_path, engine):
     if engine == "CYCLES":
         without = render(group_with(modules, prop, plain), plates, tmp_path)
         assert np.abs(without - expected(plain, prop, plates)).max() < 1e-5
+
+
+def test_pictures_of_older_bakes(modules, prop, tmp_path):
+    """They have 0 for d and for e, which was 1."""
+    rng = np.random.default_rng(15)
+    field = smooth_field(rng, 16)
+    none = np.zeros_like(field.d)
+    group = group_with(modules, prop, replace(field, d=none, e=none))
+    plates = Plates.random(rng, 32, 5.0)
+    error = np.abs(render(group, plates, tmp_path) - expected(replace(field, d=none, e=none + 1), prop, plates))
+    assert error.max() < 1e-5
 
 
 def test_connected_normal_counts(modules, prop, tmp_path):
