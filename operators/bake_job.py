@@ -13,6 +13,7 @@ from __future__ import annotations
 import time
 import traceback
 from collections.abc import Callable, Collection, Generator
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 
@@ -31,6 +32,7 @@ from .mesh_reader import evaluated_mesh, read_surface
 from .names import CHANNELS
 from .object_checks import check_evaluated, check_object
 from .occluder_scenes import OccluderScenes
+from .preview import Preview
 from .progress import Progress
 from .report import BakeError, ObjectReport
 from .settings import BakeSettings
@@ -52,6 +54,7 @@ def bake(
     store_each: bool = False,
     resume: bool = False,
     share: tuple[int, int] = (1, 1),
+    preview: Preview | None = None,
 ) -> Generator[Progress, None, list[ObjectReport]]:
     """Bake ``objects`` (meshes of the context's view layer) and return a report for each, in their order.
 
@@ -67,6 +70,7 @@ def bake(
                 colours around
     share       (i, n): bake the i-th of n shares of ``objects``, counted from 1, to the bits that a bake of all gives;
                 a share may be empty
+    preview     shows how far it is; the result is the same with it
     """
     sources = pairs(objects, selected, settings)
     objects = objects if sources is None else list(sources)
@@ -87,6 +91,9 @@ def bake(
     count = RayCount()
     tracer = partial(Tracer, settings=settings, threads=threads, count=count)
     baked_meshes: dict[bpy.types.Mesh, ObjectReport] = {}
+    # Not where each has a scene of its own, which would be built twice.
+    if preview is not None and len(objects) > 1 and sources is None and settings.occluders != "SELF":
+        yield from _sketches(context, objects, settings, scenes, tracer, threads, preview)
     ends = _ends(objects, settings.target)
     for obj, report, begin, end in zip(objects, reports, [0.0, *ends], ends, strict=False):
 
@@ -101,7 +108,8 @@ def bake(
                 _share(baked_meshes[obj.data], report, settings.bounces)
             else:
                 known, partners = baked_fingerprint(obj) if resume else b"", sources and sources[obj]
-                work = _bake_object(context, obj, partners, settings, folder, scenes, tracer, report, known, threads)
+                how = tracer, report, known, threads, preview
+                work = _bake_object(context, obj, partners, settings, folder, scenes, *how)
                 result, mark = yield from mapped(work, progress)
                 baked_meshes[obj.data] = report
                 if result is None:
@@ -129,6 +137,26 @@ def bake(
     for each in done:
         _store(*each, settings)
     return reports
+
+
+def _sketches(
+    context: bpy.types.Context,
+    objects: list[bpy.types.Object],
+    settings: BakeSettings,
+    scenes: OccluderScenes,
+    tracer: Callable[[Occluders], Tracer],
+    threads: int | None,
+    preview: Preview,
+) -> Generator[Progress, None, None]:
+    """Show all ``objects`` in the ``preview`` before the first is baked. What is wrong with one is said when its turn
+    comes."""
+    preview.is_sketching = True
+    for obj in objects:
+        with suppress(Exception):
+            report = ObjectReport(obj.name, settings.target)
+            work = _bake_object(context, obj, None, settings, "", scenes, tracer, report, b"", threads, preview)
+            yield from mapped(work, lambda _, name=report.name: Progress(0.0, name))
+    preview.is_sketching = False
 
 
 def _share_of(objects: list[bpy.types.Object], index: int, count: int) -> list[bpy.types.Object]:
@@ -172,6 +200,7 @@ def _bake_object(
     report: ObjectReport,
     known: bytes,
     threads: int | None,
+    preview: Preview | None,
 ) -> Generator[float, None, tuple[VertexResult | TextureResult | None, bytes]]:
     """Compute the bake of one object, of its own surface or of that of its ``partners``; yields the fraction done,
     returns the result and the fingerprint of all that it was made from. No result where that is ``known``. Raises
@@ -190,6 +219,8 @@ def _bake_object(
             check_attribute_names(obj, settings.bounces)
             source = vertex_points(obj, mesh, matrix, projection and projection.cage)
             bake_with, shown, more = partial(bake_vertices, obj.data, source, matrix), (), (projection,)
+            domain = source.domain if source.onto is None else "POINT"
+            picture = preview and preview.of_vertices(obj, mesh, domain, settings)
         else:
             check_image_names(obj, image_channels(settings))
             uv_map = uv_map_name(mesh, settings.uv_map)
@@ -197,9 +228,10 @@ def _bake_object(
             bake_with = partial(bake_texture, obj, source, uv_map, matrix)
             shown = albedo, read_bent_normal_map(mesh, matrix, uv_map, settings)
             more = settings, folder, projection, *shown, threads
+            picture = preview and preview.of_texels(obj, mesh, uv_map, settings)
     tracer = tracer((yield from scenes.scene_for(obj, report.warnings)))
     tracer = replace(tracer, albedo=scenes.albedo(report.warnings))
-    work = bake_with(tracer, report, *more)
+    work = bake_with(tracer, report, *more, picture)
     if projection is not None:
         source = source, projection.surface, projection.cage
     made_from = extension_version(), settings.as_property(), folder, scenes.key, tracer.albedo, matrix, source, shown

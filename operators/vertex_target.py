@@ -20,6 +20,7 @@ from .high_to_low import Projection
 from .mesh_reader import linear_inverse, read, read_corner_vertices, read_positions, read_surface, to_world
 from .names import ALL_CHANNELS, CHANNELS
 from .nearest_point import nearest_points
+from .preview import VertexPicture, nearest_shown
 from .report import BakeError, ObjectReport
 from .tracer import Tracer
 
@@ -84,13 +85,16 @@ def bake_vertices(
     tracer: Tracer,
     report: ObjectReport,
     projection: Projection | None = None,
-) -> Generator[float, None, VertexResult]:
+    picture: VertexPicture | None = None,
+) -> Generator[float, None, VertexResult | None]:
     """Trace the ``points`` of ``mesh``, which ``matrix`` (4, 4) places in the world, or what they show of a
-    ``projection``; yields the fraction done."""
+    ``projection``; yields the fraction done, and shows it in the ``picture``. None where that is only to be a sketch.
+    """
     report.points = len(points.positions)
-    if points.onto is not None:
+    surface = points.onto
+    if surface is not None:
         yield 0.0
-        points, moved = _moved_onto(points, points.onto)
+        points, moved = _moved_onto(points, surface)
         away = f"up to {moved:.3g} away" if moved > 1e-3 * points.extent else "where they lie on it"
         report.warnings.append(
             "Modifiers change the topology: the original vertices were baked at the nearest point of the modified "
@@ -102,9 +106,14 @@ def bake_vertices(
         cage = None if points.cage is None else SurfacePoints(points.cage, points.normals)
         starts = ProjectedPoints(starts, projection.high, cage)
         probes, extent = partial(spread_points, projection.high.corners, PROBES), projection.high.extent
+    if picture is not None:
+        shown = _shown(points, surface)
+        yield from mapped(picture.sketch(tracer, starts, extent, *shown), lambda done: 0.0)
+        if picture.is_sketch:
+            return None
     begin = tracer.light_share(len(starts))
     cache = yield from mapped(tracer.light(probes, len(starts), extent), lambda done: begin * done)
-    tracing = tracer.visibility(starts, extent, cache)
+    tracing = tracer.visibility(starts, extent, cache, picture and picture.refine)
     visibility = yield from mapped(tracing, lambda done: begin + (1.0 - begin) * done / report.points)
     known = ~visibility.lost
     report.tell_f0(visibility.f0[known], "points", projection is not None)
@@ -115,6 +124,16 @@ def bake_vertices(
         tracer.fill_cones(channels, lost, points.normals[lost], linear_inverse(matrix))
     stored = {name: values[points.element_point] for name, values in channels.items()}
     return VertexResult(mesh, points.domain, stored, points.topology)
+
+
+def _shown(points: VertexPoints, onto: Surface | None) -> tuple[NDArray[np.intp], NDArray[np.float32]]:
+    """Which ``points`` the elements of what is drawn show (n, j), and with which weights: each its own, or the vertices
+    of the surface that they were moved ``onto`` those nearby."""
+    if onto is None:
+        return points.element_point[:, None], np.ones((len(points.element_point), 1), np.float32)
+    normals = np.zeros_like(onto.vertices)
+    normals[onto.corner_vertex] = onto.corner_normals
+    return nearest_shown(onto.vertices, normals, points.positions, points.normals, points.extent)
 
 
 def _edges(points: VertexPoints) -> NDArray[np.intp]:
