@@ -28,7 +28,7 @@ from .bent_normal_map import read_bent_normal_map
 from .fingerprint import fingerprint
 from .high_to_low import pairs, read_projection
 from .images import check_image_names, image_channels, is_nowhere, output_folder
-from .mesh_reader import evaluated_mesh, read_surface
+from .mesh_reader import evaluated_mesh, read_mesh
 from .names import CHANNELS
 from .object_checks import check_evaluated, check_object
 from .occluder_scenes import OccluderScenes
@@ -41,7 +41,7 @@ from .texture_target import bake_texture
 from .tracer import RayCount, Tracer
 from .uv_layout import uv_map_name
 from .version import extension_version
-from .vertex_target import VertexResult, bake_vertices, check_attribute_names, vertex_points
+from .vertex_target import VertexResult, bake_vertices, check_attribute_names, read_vertices
 
 
 def bake(
@@ -214,27 +214,27 @@ def _bake_object(
     # Blender's mesh is only held while it is read: it may be gone after a yield.
     with evaluated_mesh(evaluated) as mesh:
         check_evaluated(mesh, matrix)
-        projection = None if partners is None else read_projection(context, obj, mesh, partners, settings)
+        projected = None if partners is None else read_projection(context, obj, mesh, partners, settings)
         if settings.target == "VERTEX":
             check_attribute_names(obj, settings.bounces)
-            source = vertex_points(obj, mesh, matrix, projection and projection.cage)
-            bake_with, shown, more = partial(bake_vertices, obj.data, source, matrix), (), (projection,)
-            domain = source.domain if source.onto is None else "POINT"
-            picture = preview and preview.of_vertices(obj, mesh, domain, settings)
+            cage = projected and projected.cage
+            source = read_vertices(obj, mesh, matrix, cage, has_triangles=preview is not None)
+            bake_with, shown, more = partial(bake_vertices, obj.data, source), (), (projected,)
+            drawn = (source.own, source.domain) if source.modified is None else (source.modified, "POINT")
+            picture = preview and preview.of_vertices(obj, *drawn, settings)
         else:
             check_image_names(obj, image_channels(settings))
             uv_map = uv_map_name(mesh, settings.uv_map)
-            source = read_surface(mesh, matrix, uv_map)
+            source = read_mesh(mesh, uv_map=uv_map)
             bake_with = partial(bake_texture, obj, source, uv_map, matrix)
             shown = albedo, read_bent_normal_map(mesh, matrix, uv_map, settings)
-            more = settings, folder, projection, *shown, threads
-            picture = preview and preview.of_texels(obj, mesh, uv_map, settings)
+            more = settings, folder, projected, *shown, threads
+            picture = preview and preview.of_texels(obj, source, settings)
     tracer = tracer((yield from scenes.scene_for(obj, report.warnings)))
     tracer = replace(tracer, albedo=scenes.albedo(report.warnings))
     work = bake_with(tracer, report, *more, picture)
-    if projection is not None:
-        source = source, projection.surface, projection.cage
-    made_from = extension_version(), settings.as_property(), folder, scenes.key, tracer.albedo, matrix, source, shown
+    made_from = extension_version(), settings.as_property(), folder, scenes.key, tracer.albedo, matrix
+    made_from = *made_from, source, projected, shown
     return (yield from in_thread(_unless_known(known, made_from, work)))
 
 

@@ -45,17 +45,17 @@ def read_albedo(depsgraph: bpy.types.Depsgraph, owners: Collection[bpy.types.Obj
     placed: list[tuple[tuple[int, int, int], NDArray | None]] = []
     for blocker in blockers(depsgraph, owners):
         # Where the instance's corners are among those of the mesh's triangles.
-        order = front_facing(np.arange(3)[None], blocker.matrix)[0]
+        order = front_facing(np.arange(3)[None], blocker.placed.matrix)[0]
         key = (*blocker.key, int(order[0]))
         if key not in meshes:
             meshes[key] = sources.add(blocker.evaluated, order, warnings)
-        placed.append((key, blocker.kept))
+        placed.append((key, blocker.placed.in_world()[2]))
     return sources.albedo(meshes, placed), warnings
 
 
 def read_own_albedo(evaluated: bpy.types.Object, matrix: NDArray, warnings: list[str]) -> Albedo:
     """As :func:`read_albedo`, of the triangles of one object placed by ``matrix`` (4, 4), in the order of its surface
-    (:func:`.mesh_reader.read_surface`)."""
+    (:meth:`.mesh_reader.MeshArrays.surface`)."""
     sources = _Sources()
     order = front_facing(np.arange(3)[None], matrix)[0]
     return sources.albedo({(0, 0, 0): sources.add(evaluated, order, warnings)}, [((0, 0, 0), None)])

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ..core.rasterise import Texels, rasterise
 from ..core.sample_points import ChosenPoints, SamplePoints
 from ..core.visibility import Visibility
-from .mesh_reader import read, read_corner_vertices, read_positions, read_triangles
+from .mesh_reader import MeshArrays
 from .settings import BakeSettings
 from .tracer import Tracer, light_rays
 
@@ -38,20 +38,18 @@ FACING = 0.1
 @dataclass(frozen=True)
 class Geometry:
     """What is drawn: positions (n, 3) float32 in object space, triangles (m, 3) int32 of them, and where they have a
-    UV map, it (n, 2) float32. These are the mesh's vertices, or all of its face corners."""
+    UV map, it (n, 2) float32. These are the mesh's vertices, or where the light is a corner's, all face corners."""
 
     positions: NDArray[np.float32]
     triangles: NDArray[np.int32]
     uv: NDArray[np.float32] | None = None
 
     @classmethod
-    def of(cls, mesh: bpy.types.Mesh, domain: str, uv_map: str | None = None) -> Geometry:
-        """Of an evaluated ``mesh``; ``domain`` "POINT" or "CORNER", this where there is a ``uv_map``."""
-        vertex, corners = read_corner_vertices(mesh), read_triangles(mesh)
+    def of(cls, mesh: MeshArrays, domain: str) -> Geometry:
+        """Of a ``mesh`` whose light has the ``domain`` "POINT" or "CORNER"."""
         if domain == "POINT":
-            return cls(read_positions(mesh), vertex[corners])
-        uv = None if uv_map is None else read(mesh.uv_layers[uv_map].uv, "vector", 2, np.float32)
-        return cls(read_positions(mesh)[vertex], corners, uv)
+            return cls(mesh.positions, mesh.corner_vertex[mesh.triangles])
+        return cls(mesh.positions[mesh.corner_vertex], mesh.triangles, mesh.uv)
 
 
 class Picture:
@@ -173,21 +171,19 @@ class Preview:
         self.is_sketching = False
 
     def of_vertices(
-        self, obj: bpy.types.Object, mesh: bpy.types.Mesh, domain: str, settings: BakeSettings
+        self, obj: bpy.types.Object, mesh: MeshArrays, domain: str, settings: BakeSettings
     ) -> VertexPicture | None:
         """Begin a picture of ``obj``, whose evaluated ``mesh`` shows values of its ``domain``; None where that is too
         large."""
         return self._begin(obj, mesh, lambda: VertexPicture(Geometry.of(mesh, domain), _is_coloured(settings)))
 
-    def of_texels(
-        self, obj: bpy.types.Object, mesh: bpy.types.Mesh, uv_map: str, settings: BakeSettings
-    ) -> TexturePicture | None:
-        """The same, of one that shows images by a ``uv_map``."""
+    def of_texels(self, obj: bpy.types.Object, mesh: MeshArrays, settings: BakeSettings) -> TexturePicture | None:
+        """The same, of one that shows images by its UV map."""
         coloured, size = _is_coloured(settings), settings.resolution
-        return self._begin(obj, mesh, lambda: TexturePicture(Geometry.of(mesh, "CORNER", uv_map), coloured, size))
+        return self._begin(obj, mesh, lambda: TexturePicture(Geometry.of(mesh, "CORNER"), coloured, size))
 
-    def _begin(self, obj: bpy.types.Object, mesh: bpy.types.Mesh, picture: Callable[[], Picture]) -> Picture | None:
-        triangles = len(mesh.loop_triangles)
+    def _begin(self, obj: bpy.types.Object, mesh: MeshArrays, picture: Callable[[], Picture]) -> Picture | None:
+        triangles = len(mesh.triangles)
         if triangles > MOST_TRIANGLES:
             return None
         found = self.pictures.get(obj.session_uid)

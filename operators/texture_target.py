@@ -22,8 +22,8 @@ from ..core.sample_points import PROBES, CornerTable, SamplePoints, TexelPoints,
 from ..core.surface import Surface, unit
 from ..core.workers import Workers, mapped, slices
 from .bent_normal_map import BentNormalMap
-from .high_to_low import Projection
-from .mesh_reader import linear_inverse
+from .high_to_low import ProjectionSource
+from .mesh_reader import MeshArrays, linear_inverse
 from .names import BENT_NORMAL, CHANNELS
 from .preview import TexturePicture
 from .report import BakeError, ObjectReport
@@ -39,31 +39,35 @@ TEXELS_PER_PART = 2**15
 
 def bake_texture(
     obj: bpy.types.Object,
-    surface: Surface,
+    source: MeshArrays,
     uv_map: str,
     matrix: NDArray,
     tracer: Tracer,
     report: ObjectReport,
     settings: BakeSettings,
     folder: str,
-    projection: Projection | None,
+    projected: ProjectionSource | None,
     albedo: Albedo | None,
     bent_normals: BentNormalMap | None,
     threads: int | None,
     picture: TexturePicture | None = None,
 ) -> Generator[float, None, TextureResult | None]:
-    """Bake the texels of ``obj``, whose evaluated ``surface`` has the UVs of ``uv_map``; yields the fraction done.
+    """Bake the texels of ``obj``, whose evaluated mesh is ``source``, with the UVs of ``uv_map``; yields the fraction
+    done.
 
-    ``matrix`` (4, 4) places the object; its texels show its own surface, or that of a ``projection``; ``albedo`` of its
+    ``matrix`` (4, 4) places the object; its texels show its own surface, or what is ``projected``; ``albedo`` of its
     triangles is kept for the maps; ``bent_normals`` makes one more image; ``threads`` rasterise; ``picture`` shows how
     far it is. None where that is only to be a sketch. Raises BakeError where the UV map leaves nothing to bake.
     """
+    yield 0.0
+    surface = source.surface(matrix)
     triangle_uv = surface.corner_uv[surface.triangles]
     report.warnings += check_layout(triangle_uv, uv_map, settings.use_udim)
     numbers = touched_tiles(triangle_uv) if settings.use_udim else [1001]
     report.memory = needed_memory(settings, len(numbers), len(triangle_uv))
     check_memory(report.memory)
     yield 0.0
+    projection = projected and projected.projection()
     corners = CornerTable(surface)
     shown, extent, cage = corners, surface.extent, None
     if projection is not None:
