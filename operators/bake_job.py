@@ -218,19 +218,19 @@ def _bake_object(
         if settings.target == "VERTEX":
             check_attribute_names(obj, settings.bounces)
             cage = projected and projected.cage
-            source = read_vertices(obj, mesh, matrix, cage, has_triangles=preview is not None)
+            source = read_vertices(obj, mesh, matrix, cage)
             bake_with, shown, more = partial(bake_vertices, obj.data, source), (), (projected,)
-            drawn = (source.own, source.domain) if source.modified is None else (source.modified, "POINT")
-            picture = preview and preview.of_vertices(obj, *drawn, settings)
+            drawn, domain = (source.own, source.domain) if source.modified is None else (source.modified, "POINT")
+            picture = preview and preview.of_vertices(obj, drawn, domain, settings)
         else:
             check_image_names(obj, image_channels(settings))
             uv_map = uv_map_name(mesh, settings.uv_map)
-            source = read_mesh(mesh, uv_map=uv_map)
+            source = drawn = read_mesh(mesh, uv_map=uv_map)
             bake_with = partial(bake_texture, obj, source, uv_map, matrix)
             shown = albedo, read_bent_normal_map(mesh, matrix, uv_map, settings)
             more = settings, folder, projected, *shown, threads
             picture = preview and preview.of_texels(obj, source, settings)
-    tracer = tracer((yield from scenes.scene_for(obj, report.warnings)))
+    tracer = tracer((yield from scenes.scene_for(obj, report.warnings, drawn)))
     tracer = replace(tracer, albedo=scenes.albedo(report.warnings))
     work = bake_with(tracer, report, *more, picture)
     made_from = extension_version(), settings.as_property(), folder, scenes.key, tracer.albedo, matrix

@@ -138,16 +138,13 @@ def read_mesh_triangles(mesh: bpy.types.Mesh) -> MeshTriangles:
     return MeshTriangles(read_positions(mesh), read_corner_vertices(mesh), read_triangles(mesh))
 
 
-def read_mesh(
-    mesh: bpy.types.Mesh, domain: str = "CORNER", uv_map: str | None = None, *, has_triangles: bool = True
-) -> MeshArrays:
-    """``mesh`` with the normals of its ``domain``, "POINT" or "CORNER"; ``uv_map`` must exist. Triangles take longest:
-    without ``has_triangles`` there are none."""
+def read_mesh(mesh: bpy.types.Mesh, domain: str = "CORNER", uv_map: str | None = None) -> MeshArrays:
+    """``mesh`` with the normals of its ``domain``, "POINT" or "CORNER"; ``uv_map`` must exist."""
     normals = mesh.vertex_normals if domain == "POINT" else mesh.corner_normals
     return MeshArrays(
         positions=read_positions(mesh),
         corner_vertex=read_corner_vertices(mesh),
-        triangles=read_triangles(mesh) if has_triangles else np.empty((0, 3), np.int32),
+        triangles=read_triangles(mesh),
         face_start=read_face_start(mesh),
         normals=read(normals, "vector", 3, np.float32),
         uv=None if uv_map is None else read(mesh.uv_layers[uv_map].uv, "vector", 2, np.float32),

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import bpy
@@ -52,9 +52,13 @@ class Blocker:
     placed: PlacedMesh
 
 
-def blockers(depsgraph: bpy.types.Depsgraph, owners: Collection[bpy.types.Object]) -> Iterator[Blocker]:
+def blockers(
+    depsgraph: bpy.types.Depsgraph,
+    owners: Collection[bpy.types.Object],
+    known: Mapping[bpy.types.Object, MeshTriangles] | None = None,
+) -> Iterator[Blocker]:
     """The objects ``owners`` and the instances they make (collections, geometry nodes, particles), in the order that
-    triangles of rays are numbered by."""
+    triangles of rays are numbered by. ``known`` are evaluated meshes that were read already, of objects themselves."""
     local: dict[tuple[int, int], MeshTriangles] = {}
     rendered: dict[tuple[bpy.types.Object, bpy.types.Object], bool] = {}
     for instance in depsgraph.object_instances:
@@ -74,7 +78,8 @@ def blockers(depsgraph: bpy.types.Depsgraph, owners: Collection[bpy.types.Object
         # Instances of one mesh are read once.
         key = (original.as_pointer(), evaluated.data.as_pointer() if evaluated.data else 0)
         if key not in local:
-            local[key] = _read_local(evaluated)
+            read = None if instance.is_instance else (known or {}).get(original)
+            local[key] = read or _read_local(evaluated)
         matrix = np.array(instance.matrix_world, np.float64)
         yield Blocker(evaluated, key, PlacedMesh(owner.name, local[key], matrix))
 

@@ -14,7 +14,7 @@ from ..core.albedo import Albedo
 from ..core.rays import Occluders
 from ..core.workers import calling, in_thread
 from .base_color import read_albedo
-from .mesh_reader import evaluated_mesh, read_corner_vertices, read_positions, to_world
+from .mesh_reader import MeshTriangles, evaluated_mesh, read_corner_vertices, read_positions, to_world
 from .occluder_cache import occluders_of
 from .occluder_reader import PlacedMesh, blockers, rendered_objects, together
 
@@ -84,22 +84,25 @@ class OccluderScenes:
             others = others.difference(*self._sources.values())
         return (self._sources[obj] | others) - self._sources.keys()
 
-    def scene_for(self, obj: bpy.types.Object, warnings: list[str]) -> Generator[float, None, Occluders]:
+    def scene_for(
+        self, obj: bpy.types.Object, warnings: list[str], mesh: MeshTriangles | None = None
+    ) -> Generator[float, None, Occluders]:
         """What blocks the rays of ``obj``, always with itself; appends to ``warnings`` what its artist should know.
-        Reads it in the first step; yields 0 while a scene is built."""
+        Reads it in the first step, but for the evaluated ``mesh`` of ``obj``, if that is given; yields 0 while a scene
+        is built."""
         positions = () if obj in self._bounds else _read_positions(self._context, obj)
         if self._settings.occluders == "VISIBLE" and not self._sources and obj not in self._rendered:
             warnings.append("Disabled in renders: it was baked, and blocks no light on other objects")
         owners = self.owners_for(obj)
         if self._scene is None or owners != self._owners:
-            yield from self._build(owners)
+            yield from self._build(owners, known={obj: mesh} if mesh else None)
         if obj not in self._bounds:
             self._bounds[obj] = yield from in_thread(calling(_bounds, *positions))
         low, high = self._bounds[obj]
         if np.isfinite(low).all():
             centre = 0.5 * (low + high)
             if np.abs(centre - self._scene.centre).max() > FAR * (high - low).max():
-                yield from self._build(owners, centre)
+                yield from self._build(owners, centre=centre)
         warnings += self._warnings
         return self._scene
 
@@ -110,11 +113,14 @@ class OccluderScenes:
         return self._albedo
 
     def _build(
-        self, owners: frozenset[bpy.types.Object], centre: NDArray | None = None
+        self,
+        owners: frozenset[bpy.types.Object],
+        known: dict[bpy.types.Object, MeshTriangles] | None = None,
+        centre: NDArray | None = None,
     ) -> Generator[float, None, None]:
         self._scene = self._albedo = None  # freed before the next is built
         depsgraph = self._context.evaluated_depsgraph_get()
-        placed = [blocker.placed for blocker in blockers(depsgraph, owners)]
+        placed = [blocker.placed for blocker in blockers(depsgraph, owners, known)]
         if self._colours:  # in the same moment: its triangles are those
             self._albedo, self._unread = read_albedo(depsgraph, owners)
         built = _built(placed, self.ground_height, centre)

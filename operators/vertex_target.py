@@ -196,26 +196,21 @@ def read_vertices(
     evaluated: bpy.types.Mesh,
     matrix: NDArray,
     cage: NDArray | None = None,
-    *,
-    has_triangles: bool = False,
 ) -> VertexSource:
     """What is sampled for the elements of the mesh of ``obj`` on ``evaluated``, the surface that its modifiers make;
-    ``cage`` (n, 3) has the positions of that surface's vertices on a cage. Triangles are read where a picture of it
-    needs them, too.
+    ``cage`` (n, 3) has the positions of that surface's vertices on a cage.
 
     A mesh with flat faces or sharp edges has several normals at a vertex, so it gets a value a face corner. Where
     modifiers change the topology, the original vertices go to the nearest point of the evaluated surface.
     """
     mesh = obj.data
     domain = "POINT" if mesh.normals_domain == evaluated.normals_domain == "POINT" else "CORNER"
-    has_triangles = has_triangles or domain == "CORNER"
     same_corners = np.array_equal(read_corner_vertices(mesh), read_corner_vertices(evaluated))
     if same_corners and len(mesh.vertices) == len(evaluated.vertices):
-        return VertexSource(read_mesh(evaluated, domain, has_triangles=has_triangles), domain, matrix, cage=cage)
+        return VertexSource(read_mesh(evaluated, domain), domain, matrix, cage=cage)
     if cage is not None:
         raise BakeError("has modifiers that change its topology, so its vertices have no place on a cage: apply them")
-    own = read_mesh(mesh, domain, has_triangles=domain == "CORNER")
-    return VertexSource(own, domain, matrix, read_mesh(evaluated), _vertices_come_first(obj))
+    return VertexSource(read_mesh(mesh, domain), domain, matrix, read_mesh(evaluated), _vertices_come_first(obj))
 
 
 def _moved_onto(points: VertexPoints, surface: Surface) -> tuple[VertexPoints, float]:
