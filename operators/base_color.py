@@ -19,7 +19,7 @@ from .base_color_nodes import (
     read_base_color,
     unreadable_warning,
 )
-from .image_pixels import linear_pixels
+from .image_pixels import read_pixels
 from .mesh_reader import evaluated_mesh, front_facing, read, read_corner_vertices, read_triangles
 from .node_origins import UnreadableError
 from .occluder_reader import blockers
@@ -129,7 +129,7 @@ class _Sources:
             shown = colour.source
             key = shown.image, shown.alpha
             if key not in pixels:
-                pixels[key] = linear_pixels(shown.image, shown.alpha)
+                pixels[key] = read_pixels(shown.image, shown.alpha).linear()
             texture = Texture(pixels[key], shown.extension, shown.is_closest)
             sources.append(TextureColours(texture, np.concatenate(rows.parts), colour.scale, colour.offset))
         first = np.cumsum([0, *map(len, sources)])

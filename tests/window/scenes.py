@@ -280,7 +280,7 @@ def close_the_window(folder):
 
 
 def other_long_operators(folder):
-    """An AO field to its end, and bounce curves that are cancelled by the button."""
+    """An AO field to its end, bounce curves that are cancelled by the button, and a World by Esc, then to its end."""
     (monkey,) = monkeys()
     change_settings(target="VERTEX", samples=32, field_resolution=8)
     states = [list(start("bake_field"))]
@@ -290,7 +290,25 @@ def other_long_operators(folder):
     with in_viewport():
         bpy.ops.multibounce_ao.cancel()
     yield idle
-    return {"states": states, "fitted": "multibounce_ao_fit" in window().scene}
+    scene = window().scene
+    world, nodes = scene.world, scene.world.node_tree.nodes
+    color = nodes["Background"].inputs["Color"]
+    world.node_tree.links.new(nodes.new("ShaderNodeTexNoise").outputs["Color"], color)
+    before = snapshot()
+    states.append(list(start("project_world")))
+    yield at_work
+    move_into_view()
+    press("ESC")
+    yield idle
+    changed = differences(before, snapshot())
+    start("project_world")
+    yield idle
+    return {
+        "states": states,
+        "fitted": "multibounce_ao_fit" in scene,
+        "differences": changed,
+        "projected": "multibounce_ao_world" in scene,
+    }
 
 
 def show_another_scene_while_baking(folder):

@@ -120,7 +120,10 @@ def test_close_the_window(scene):
 
 
 def test_other_long_operators(scene):
-    assert scene == {"states": [["RUNNING_MODAL"]] * 2, "fitted": False}
+    assert scene["states"] == [["RUNNING_MODAL"]] * 3
+    assert not scene["fitted"]
+    assert changed(scene["differences"]) == []
+    assert scene["projected"]
 
 
 def test_show_another_scene_while_baking(scene):
