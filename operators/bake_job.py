@@ -91,9 +91,11 @@ def bake(
     count = RayCount()
     tracer = partial(Tracer, settings=settings, threads=threads, count=count)
     baked_meshes: dict[bpy.types.Mesh, ObjectReport] = {}
-    # Not where each has a scene of its own, which would be built twice.
-    if preview is not None and len(objects) > 1 and sources is None and settings.occluders != "SELF":
-        yield from _sketches(context, objects, settings, scenes, tracer, threads, preview)
+    if preview is not None:
+        preview.objects = len(objects)
+        # Not where each has a scene of its own, which would be built twice.
+        if len(objects) > 1 and sources is None and settings.occluders != "SELF":
+            yield from _sketches(context, objects, settings, scenes, tracer, threads, preview)
     ends = _ends(objects, settings.target)
     for obj, report, begin, end in zip(objects, reports, [0.0, *ends], ends, strict=False):
 

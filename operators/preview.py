@@ -27,10 +27,11 @@ from .tracer import Tracer, light_rays
 # and from one point.
 SHARE, LEAST_RAYS = 0.02, 2**15
 FEWEST_SAMPLES, MOST_SAMPLES = 4, 32
-# Sides of the images that show a texture: of the sketch, and later.
-LARGEST_SKETCH, LARGEST_IMAGE = 256, 1024
+# Sides of the images that show a texture: of the sketch, and later. All images of a bake together have at most so many
+# texels, of 16 bytes, and half of that in the graphics card.
+LARGEST_SKETCH, LARGEST_IMAGE, MOST_TEXELS = 256, 1024, 2**22
 # Larger meshes are not shown. Of smaller ones, pictures of so many triangles together are kept.
-MOST_TRIANGLES = 4_000_000
+MOST_TRIANGLES = 2_000_000
 # How much facing otherwise counts as distance, in sizes of the surface.
 FACING = 0.1
 
@@ -105,14 +106,13 @@ class VertexPicture(Picture):
 
 
 class TexturePicture(Picture):
-    """Light as images (d, d, 4) float32, the ``tiles`` by number."""
+    """Light as images (d, d, 4) float32, the ``tiles`` by number, of at most so many texels together."""
 
-    def __init__(self, geometry: Geometry, is_coloured: bool, resolution: int):
+    def __init__(self, geometry: Geometry, is_coloured: bool, resolution: int, most_texels: float):
         super().__init__(geometry, is_coloured)
         self.tiles: dict[int, NDArray[np.float32]] = {}
-        self._resolution = resolution
-        # Each so many texels of a row, and each so many rows.
-        self._step = -(-resolution // LARGEST_IMAGE)
+        self._resolution, self._most_texels = resolution, most_texels
+        self._step = 1  # of so many texels of a row one is shown, and of so many rows
 
     def sketch(
         self,
@@ -127,7 +127,8 @@ class TexturePicture(Picture):
         texels of an image of that size, ``texels`` are about how many all will have. Once is enough."""
         if self.tiles.keys() == triangle_uv.keys():
             return
-        texels = max(texels, 1)
+        side = min(LARGEST_IMAGE, math.sqrt(self._most_texels / len(triangle_uv)))
+        self._step, texels = math.ceil(self._resolution / side), max(texels, 1)
         samples, step = _effort(tracer, texels, texels * min(1.0, (LARGEST_SKETCH / self._resolution) ** 2))
         size = max(1, int(self._resolution / math.sqrt(step)))
         for number, uv in triangle_uv.items():
@@ -163,11 +164,12 @@ class TexturePicture(Picture):
 
 
 class Preview:
-    """Pictures of the objects of a bake by their session's number, as it comes to them; while it only ``is_sketching``,
-    these end with the sketch."""
+    """Pictures of the objects of a bake, which are so many, by their session's number, as it comes to them; while it
+    only ``is_sketching``, these end with the sketch."""
 
     def __init__(self) -> None:
         self.pictures: dict[int, Picture] = {}
+        self.objects = 1
         self.is_sketching = False
 
     def of_vertices(
@@ -179,8 +181,8 @@ class Preview:
 
     def of_texels(self, obj: bpy.types.Object, mesh: MeshArrays, settings: BakeSettings) -> TexturePicture | None:
         """The same, of one that shows images by its UV map."""
-        coloured, size = _is_coloured(settings), settings.resolution
-        return self._begin(obj, mesh, lambda: TexturePicture(Geometry.of(mesh, "CORNER"), coloured, size))
+        how = _is_coloured(settings), settings.resolution, MOST_TEXELS / self.objects
+        return self._begin(obj, mesh, lambda: TexturePicture(Geometry.of(mesh, "CORNER"), *how))
 
     def _begin(self, obj: bpy.types.Object, mesh: MeshArrays, picture: Callable[[], Picture]) -> Picture | None:
         triangles = len(mesh.triangles)

@@ -26,6 +26,7 @@ from .high_to_low import ProjectionSource
 from .mesh_reader import MeshArrays, linear_inverse
 from .names import BENT_NORMAL, CHANNELS
 from .preview import TexturePicture
+from .progress import STARTED
 from .report import BakeError, ObjectReport
 from .settings import BakeSettings
 from .texture_memory import check_memory, needed_memory
@@ -97,7 +98,7 @@ def bake_texture(
     for done, number in enumerate(numbers):
 
         def fraction(part: float, done=done) -> float:
-            return begin + (1.0 - begin) * (done + part) / len(numbers)
+            return max(STARTED, begin + (1.0 - begin) * (done + part) / len(numbers))
 
         tile = yield from mapped(baker.bake(number, report, f0), fraction)
         if tile is not None:
@@ -134,6 +135,7 @@ class _TileBaker:
     ) -> Generator[float, None, Tile | None]:
         """The tile of that ``number``; None where nothing lies in it. Counts its points in ``report``, and adds their
         F0 to ``f0``."""
+        yield 0.0
         size, tracer, threads = self.settings.resolution, self.tracer, self.threads
         triangle_uv = _in_tile(self.triangle_uv, number)
         flat = {channel: np.zeros((size * size, 4), np.float32) for channel in CHANNELS[self.settings.bounces]}

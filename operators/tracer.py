@@ -29,9 +29,9 @@ class RayCount:
     rays: int = 0
 
 
-# What finding the light of a cell costs, in rays of the bake: between 75 and 120 unless there are very few rays. Only
-# what is told of the progress depends on it.
-RAYS_OF_A_CELL = 100
+# What finding the light of a cell costs, and what a point does besides its rays, in rays of the bake: about. Only what
+# is told of the progress depends on it.
+RAYS_OF_A_CELL, RAYS_OF_A_POINT = 100, 8
 
 
 def light_rays(rays: int) -> int:
@@ -54,9 +54,8 @@ class Tracer:
         """Part of the time of a bake of so many ``points`` that :meth:`light` takes."""
         if self.settings.bounces == "FITTED":
             return 0.0
-        rays = points * self.settings.samples
-        light = light_rays(rays)
-        return light / (light + rays)
+        light = light_rays(points * self.settings.samples)
+        return light / (light + points * (self.settings.samples + RAYS_OF_A_POINT))
 
     def light(
         self, probes: Callable[[], SurfacePoints], points: int, extent: float

@@ -21,6 +21,7 @@ from .mesh_reader import MeshArrays, linear_inverse, read_corner_vertices, read_
 from .names import ALL_CHANNELS, CHANNELS
 from .nearest_point import nearest_points
 from .preview import VertexPicture, nearest_shown
+from .progress import STARTED
 from .report import BakeError, ObjectReport
 from .tracer import Tracer
 
@@ -157,7 +158,7 @@ def bake_vertices(
     begin = tracer.light_share(len(starts))
     cache = yield from mapped(tracer.light(probes, len(starts), extent), lambda done: begin * done)
     tracing = tracer.visibility(starts, extent, cache, picture and picture.refine)
-    visibility = yield from mapped(tracing, lambda done: begin + (1.0 - begin) * done / report.points)
+    visibility = yield from mapped(tracing, lambda done: max(STARTED, begin + (1.0 - begin) * done / report.points))
     known = ~visibility.lost
     report.tell_f0(visibility.f0[known], "points", projection is not None)
     to_object = linear_inverse(source.matrix)

@@ -105,6 +105,21 @@ def test_pictures_are_few_where_they_are_large(fitted, monkeypatch):
     assert set(preview.pictures) == {second.session_uid}
 
 
+def test_images_are_small_where_they_are_many(fitted, monkeypatch):
+    """Two objects with two tiles each share what one image of 32 x 32 may take."""
+    monkeypatch.setattr(operators("preview"), "MOST_TEXELS", 32**2)
+    floors = plate("First"), plate("Second", location=(9, 0, 0))
+    for floor in floors:
+        uv = floor.data.uv_layers[0].uv
+        for corner in uv[: len(uv) // 2]:
+            corner.vector.x += 1
+    shown, _ = bake_seen(*floors, target="TEXTURE", resolution=64, use_udim=True)
+    for floor in floors:
+        assert {number: image.shape for number, image in shown[floor][-1].items()} == dict.fromkeys(
+            (1001, 1002), (16, 16, 4)
+        )
+
+
 @pytest.mark.parametrize("points", [1, 10**4, 10**6, 10**8])
 @pytest.mark.parametrize("samples", [1, 16, 256, 4096])
 def test_a_sketch_takes_a_small_part_of_the_rays(fitted, points, samples):
