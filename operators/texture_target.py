@@ -36,6 +36,8 @@ from .uv_layout import check_layout, expected_texels, overlaps, touched_tiles
 
 # Texels whose channels a thread computes together.
 TEXELS_PER_PART = 2**15
+# What finding a place of a texel takes, in rays; only what is told of the progress depends on it.
+RAYS_BEFORE = 0.5
 
 
 def bake_texture(
@@ -89,7 +91,7 @@ def bake_texture(
         yield from mapped(sketch, lambda done: 0.0)
         if picture.is_sketch:
             return None
-    begin = tracer.light_share(texels)
+    begin = tracer.light_share(texels, texel_places(settings.samples))
     lighting = tracer.light(partial(spread_points, shown, PROBES), texels, extent)
     cache = yield from mapped(lighting, lambda done: begin * done)
     maps, shown = (albedo, bent_normals), (settings, threads, picture)
@@ -152,8 +154,15 @@ class _TileBaker:
             points = self.points(texels, size)
             watch = self.picture and self.picture.refine(number, texels.texel)
             tracing = tracer.visibility(points, self.extent, self.cache, watch)
-            rows = (last - first) / len(texels.texel)
-            visibility = yield from mapped(tracing, lambda done, first=first, rows=rows: (first + done * rows) / size)
+            begin, part = first / size, (last - first) / size
+            ahead = part / (1.0 + self.settings.samples / (RAYS_BEFORE * places))
+            each = (part - ahead) / len(texels.texel)
+
+            def fraction(done: int, begin=begin, ahead=ahead, each=each) -> float:
+                # Half of what goes before is done when tracing is asked for, and all when the first is traced.
+                return begin + (ahead + done * each if done else 0.5 * ahead)
+
+            visibility = yield from mapped(tracing, fraction)
 
             def fill(part: slice, texels=texels, visibility=visibility) -> None:
                 texel = texels.texel[part]

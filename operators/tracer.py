@@ -29,9 +29,9 @@ class RayCount:
     rays: int = 0
 
 
-# What finding the light of a cell costs, and what a point does besides its rays, in rays of the bake: about. Only what
-# is told of the progress depends on it.
-RAYS_OF_A_CELL, RAYS_OF_A_POINT = 100, 8
+# About what finding the light of a cell costs, and what a place of a point does besides its rays, in rays of the bake.
+# Only what is told of the progress depends on it.
+RAYS_OF_A_CELL, RAYS_OF_A_PLACE = 100, 2
 
 
 def light_rays(rays: int) -> int:
@@ -50,12 +50,12 @@ class Tracer:
     count: RayCount
     albedo: Albedo | None = None
 
-    def light_share(self, points: int) -> float:
-        """Part of the time of a bake of so many ``points`` that :meth:`light` takes."""
+    def light_share(self, points: int, places: int = 1) -> float:
+        """Part of the time of a bake of so many ``points``, each with so many ``places``, that :meth:`light` takes."""
         if self.settings.bounces == "FITTED":
             return 0.0
         light = light_rays(points * self.settings.samples)
-        return light / (light + points * (self.settings.samples + RAYS_OF_A_POINT))
+        return light / (light + points * (self.settings.samples + RAYS_OF_A_PLACE * places))
 
     def light(
         self, probes: Callable[[], SurfacePoints], points: int, extent: float
