@@ -156,6 +156,17 @@ def see_the_bake_while_it_runs(folder):
     return {"VERTEX": vertices, "TEXTURE": texels}
 
 
+def drawn_again(times=3):
+    """Wait until the view was drawn so often, however long that takes."""
+    drawn = []
+    draw = bpy.types.SpaceView3D.draw_handler_add(lambda: drawn.append(None), (), "WINDOW", "POST_PIXEL")
+    while len(drawn) < times:
+        region("WINDOW").tag_redraw()
+        yield 0.05
+    bpy.types.SpaceView3D.draw_handler_remove(draw, "WINDOW")
+    yield 0.3
+
+
 def sketch_and_bake(folder, target):
     (monkey,) = monkeys()
     with in_viewport():
@@ -166,7 +177,7 @@ def sketch_and_bake(folder, target):
         monkey.select_set(False)  # without an outline
     change_settings(target=target, samples=2**14, resolution=256)
     move_into_view()
-    yield 1.0
+    yield from drawn_again()
     photograph(folder / f"sketch_{target}_before.xwd")
     with in_viewport():
         monkey.select_set(True)
@@ -175,13 +186,14 @@ def sketch_and_bake(folder, target):
         monkey.select_set(False)
     yield lambda: running()._overlay._drawn
     seconds = time.perf_counter() - began
-    yield 0.2
+    yield from drawn_again()
     photograph(folder / f"sketch_{target}.xwd")
-    yield 1.0
+    yield 0.5
+    yield from drawn_again()
     photograph(folder / f"sketch_{target}_later.xwd")
     press("ESC")
     yield idle
-    yield 0.7
+    yield from drawn_again()
     photograph(folder / f"sketch_{target}_after.xwd")
     change_settings(samples=64)
     with in_viewport():
@@ -189,7 +201,7 @@ def sketch_and_bake(folder, target):
         bpy.ops.multibounce_ao.bake()
         monkey.select_set(False)
     bpy.context.window_manager.multibounce_ao_view = "AO"
-    yield 0.5
+    yield from drawn_again()
     photograph(folder / f"sketch_{target}_truth.xwd")
     bpy.context.window_manager.multibounce_ao_view = "OFF"
     view = region("WINDOW")
