@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Generator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +36,8 @@ LARGE_CELL = 8.0
 HITS_PER_CELL = 4
 # Nearer than this part of a cell's side its light is not that of the hit, unless more hits than SHARE are so near.
 NEAR, NEAR_SHARE = 0.5, 0.1
+# Where in the time of all the three rounds of rays begin and end, as far as that can be told before.
+ROUNDS = (0.0, 0.13), (0.2, 0.53), (0.64, 0.9)
 # Light is stored in steps of this, so that sums with the pattern's weights stay exact (sampling.Pattern).
 STEP = 2.0**-12
 
@@ -104,21 +107,21 @@ def build_light_cache(
     with Workers(threads) as workers:
         faces = Faces.of(occluders, workers)
         trace = CellRays(occluders, extent, obscurance, seed, workers)
-        met = yield from mapped(seen_from(trace, probes, wanted), lambda done: 0.3 * done)
+        met = yield from mapped(seen_from(trace, probes, wanted), partial(_between, *ROUNDS[0]))
         near = float(np.quantile(met.distance, NEAR_SHARE)) if len(met) else 0.0
 
         grid = _grid(faces, centre, reach, met, wanted)
         near, large_grid = min(near, NEAR * grid.side), replace(grid, side=LARGE_CELL * grid.side)
         pieces = Pieces.of(met, CellKeys(faces, grid).of_hits(met.side, met.position), first=0)
         cells = [Cells(faces, grid, pieces.key, workers)]
-        links, met = yield from mapped(trace.linked(pieces, cells), lambda done: 0.3 + 0.4 * done)
+        links, met = yield from mapped(trace.linked(pieces, cells), partial(_between, *ROUNDS[1]))
 
         # What only cells see; what these see beyond is left out.
         grid = _grid(faces, centre, reach, met, wanted // 2)
         further = Pieces.of(met, CellKeys(faces, grid).of_hits(met.side, met.position), first=len(pieces.key))
         cells.append(Cells(faces, grid, further.key, workers))
         links.target.reshape(-1)[met.ray] = find_in(cells, met.side, met.position)
-        further_links, _ = yield from mapped(trace.linked(further, cells), lambda done: 0.7 + 0.3 * done)
+        further_links, _ = yield from mapped(trace.linked(further, cells), partial(_between, *ROUNDS[2]))
 
         both = pieces, further
         colours = None if albedo is None else np.concatenate([_colours(each, albedo) for each in both])
@@ -128,6 +131,10 @@ def build_light_cache(
     overall = light.mean(axis=1, keepdims=True) if light.size else np.zeros((3, 1))
     light = np.rint(np.concatenate((light, means, overall), axis=1) / STEP) * STEP
     return LightCache(cells, light, near, albedo)
+
+
+def _between(begin: float, end: float, done: float) -> float:
+    return begin + (end - begin) * done
 
 
 def _box(occluders: Occluders, probes: SurfacePoints) -> tuple[NDArray[np.float64], float]:

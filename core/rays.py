@@ -7,6 +7,7 @@ what is baked lies about the origin, where that is finest, wherever it is in the
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
@@ -15,6 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .closed_parts import in_closed_parts
+from .workers import slices
+
+# What is handed to Embree at once. embreex copies it under Python's lock, about a second for a million triangles, and
+# other threads, as the one that draws a window, get on only in between.
+TRIANGLES_PER_MESH = 2**16
 
 Falloff = Literal["NONE", "LINEAR", "SMOOTH"]
 
@@ -116,7 +122,7 @@ class Occluders:
         # robust: watertight at the edges of separate faces that meet, where the faster mode leaks.
         self._scene = EmbreeScene(robust=True)
         if len(triangles):
-            self._mesh = TriangleMesh(self._scene, self.vertices, triangles)
+            self._meshes = [TriangleMesh(self._scene, *part) for part in _parts(self.vertices, triangles)]
             # The first ray has Embree build its tree: here, not under the first of many threads.
             self._scene.run(np.zeros((1, 3), np.float32), np.ones((1, 3), np.float32), query="OCCLUDED")
 
@@ -214,8 +220,8 @@ class Occluders:
         else:
             found = self._scene.run(origins, directions, query="INTERSECT", output=True)
             behind = np.einsum("ij,ij->i", found["Ng"], directions) > 0.0
-            names = ("primID", "tfar", "Ng")
-            hits = Hits(np.empty(len(origins)), *(found[name] for name in names), behind, found["u"], found["v"])
+            triangle = _triangle_numbers(found)
+            hits = Hits(np.empty(len(origins)), triangle, found["tfar"], found["Ng"], behind, found["u"], found["v"])
         if self.ground_height is not None:
             floor = self._ground(origins, directions) * self.scale
             lower = np.flatnonzero(floor < np.where(hits.triangle >= 0, hits.distance, np.inf))
@@ -249,12 +255,12 @@ class Occluders:
         start = origins
         while len(alive):
             hit = self._scene.run(start, directions[alive], query="INTERSECT", output=True)
-            found = np.flatnonzero(hit["primID"] >= 0)
+            found, triangle = np.flatnonzero(hit["primID"] >= 0), _triangle_numbers(hit)
             alive, t, normal = alive[found], hit["tfar"][found].astype(np.float64), hit["Ng"][found]
             travelled[alive] += t
             front = np.einsum("ij,ij->i", normal, directions[alive]) < 0.0
             met = alive[front]
-            hits.distance[met], hits.triangle[met] = travelled[met], hit["primID"][found[front]]
+            hits.distance[met], hits.triangle[met] = travelled[met], triangle[found[front]]
             hits.normal[met] = normal[front]
             hits.u[met], hits.v[met] = hit["u"][found[front]], hit["v"][found[front]]
             alive, t = alive[~front], t[~front]
@@ -275,6 +281,27 @@ class Occluders:
         distance = np.full(len(origins), np.inf)
         np.divide(height, down * self.scale, out=distance, where=down > 0.0)
         return distance
+
+
+def _parts(
+    vertices: NDArray[np.float32], triangles: NDArray[np.int32]
+) -> Iterator[tuple[NDArray[np.float32], NDArray[np.int32]]]:
+    """Meshes of TRIANGLES_PER_MESH, each with the vertices that it needs."""
+    if len(triangles) <= TRIANGLES_PER_MESH:
+        yield vertices, triangles
+        return
+    for part in slices(len(triangles), TRIANGLES_PER_MESH):
+        first = triangles[part].min()
+        local = triangles[part] - first
+        used = np.zeros(local.max() + 1, bool)
+        used[local] = True
+        number = np.cumsum(used, dtype=np.int32) - 1
+        yield vertices[first : first + len(used)][used], number[local]
+
+
+def _triangle_numbers(found: dict[str, NDArray]) -> NDArray[np.int32]:
+    """Which triangles Embree has ``found``, -1 where none: it counts those of each of the meshes anew."""
+    return np.where(found["primID"] < 0, -1, found["primID"] + TRIANGLES_PER_MESH * found["geomID"])
 
 
 def _no_hits(rays: int) -> Hits:

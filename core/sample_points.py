@@ -87,6 +87,26 @@ class SurfacePoints:
         return Start(self.positions[block].T[:, None], self.normals[block].T[:, None], lift)
 
 
+class ChosenPoints:
+    """Some ``points``, those that the numbers ``chosen`` (k,) name, in that order."""
+
+    def __init__(self, points: SamplePoints, chosen: NDArray[np.intp]):
+        self._points, self._chosen = points, chosen
+        self.places = points.places
+
+    def __len__(self) -> int:
+        return len(self._chosen)
+
+    def order(self) -> NDArray[np.intp]:
+        return np.arange(len(self._chosen))
+
+    def number(self, block: NDArray[np.intp]) -> NDArray[np.integer]:
+        return self._points.number(self._chosen[block])
+
+    def at(self, block: NDArray[np.intp]) -> Start:
+        return self._points.at(self._chosen[block])
+
+
 class TexelPoints:
     """The ``texels`` of an image of ``width``, on a surface whose triangles they name."""
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,6 +37,11 @@ PLACES_PER_CHUNK = 2**13
 PROBES = 8
 # Multiplications of a matrix product up to which OpenBLAS stays in the calling thread; the others have work already.
 SERIAL_PRODUCT = 2**18
+
+
+# Points (k,) that are done, their F0 (k,), what they gathered (k, fields) or None without a cache, and which are lost
+# (k,). Places that are inside of something still count, as dark.
+Watch = Callable[[NDArray[np.intp], NDArray[np.float64], NDArray[np.float64] | None, NDArray[np.bool_]], None]
 
 
 @dataclass(frozen=True)
@@ -70,6 +75,7 @@ def trace_visibility(
     obscurance: Obscurance | None = None,
     seed: int = 0,
     threads: int | None = None,
+    watch: Watch | None = None,
 ) -> Generator[int, None, Visibility]:
     """Trace ``pattern`` from each point; yields the number of points done so far, returns their :class:`Visibility`.
 
@@ -77,6 +83,7 @@ def trace_visibility(
     cache    light of the surfaces around, for the rays to gather; without it, rays only tell whether they are blocked
     seed     turns the pattern; equal seeds give equal bits, whatever the number of threads
     threads  default: one a core
+    watch    is told before each yield what has been found since the last; it may take its time, as tracing goes on
 
     A place from which only the inside of what is closed is seen lies in it; a point is the mean over its other places.
     Closing the generator stops after the blocks in flight.
@@ -114,6 +121,7 @@ def trace_visibility(
         sums = np.empty((size, places, sky + fields))
         lost = np.zeros((size, places), bool)
         number = points.number(window)
+        unseen: list[slice] = []  # parts that were traced, and not watched yet
 
         def prepare(part: slice) -> int:
             positions, normals, lift, missing = points.at(window[part])
@@ -158,7 +166,16 @@ def trace_visibility(
                     inside = occluders.see_inside(*(each.take(chosen, axis=0) for each in rays))
                     dark = dark[inside.reshape(len(dark), len(some)).all(axis=1)]
                 lost[part].reshape(-1)[dark] = True
+            if watch is not None:
+                unseen.append(part)
             return count
+
+        def show() -> None:
+            parts = [unseen.pop() for _ in range(len(unseen))]
+            if parts:
+                row = np.concatenate([np.arange(part.start, part.stop) for part in parts])
+                seen = sums[row].sum(axis=1)
+                watch(window[row], seen[:, 0], seen[:, sky:] if cache else None, lost[row].all(axis=1))
 
         def sum_up(part: slice) -> int:
             result.lost[window[part]] = lost[part].all(axis=1)
@@ -178,7 +195,9 @@ def trace_visibility(
 
         chunks = slices(size, max(1, PLACES_PER_CHUNK // places))
         yield from workers.run(prepare, chunks)
-        yield from workers.run(trace, slices(size, block_size))
+        for count in workers.run(trace, slices(size, block_size)):
+            show()
+            yield count
         for _ in workers.run(sum_up, chunks):
             yield size
 

@@ -9,6 +9,7 @@ The bake:  bake_job.py, which passes data through
            ``uv_layout``, ``nearest_point``
     rays   ``vertex_target`` or ``texture_target``, by ``tracer``
     out    attributes, ``images``, ``bake_record``, ``object_materials`` with ``material_nodes``, ``report``
+    shown  ``preview`` while it goes on, by ``preview_overlay``; by ``view_result`` later; both by ``overlay_shader``
 The fit:   fit_job.py: ``fit_sources`` with ``occluder_scenes``, the simulation, ``curve_outputs`` and the node group
 The World: project_world.py: ``world_radiance``, the node group, and ``material_nodes``; ``command_world``
 The field: field_job.py: core's bake, ``field_outputs``, ``field_record`` on the object; field_receivers.py puts it into

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Generator
+from typing import TYPE_CHECKING
 
 import bpy
 
@@ -13,6 +14,10 @@ from .poll import object_mode_with
 from .progress import Progress
 from .report import BakeError, ObjectReport, count_text
 from .settings import BakeSettings
+
+if TYPE_CHECKING:
+    from .preview import Preview
+    from .preview_overlay import PreviewOverlay
 
 
 def selected_meshes(context: bpy.types.Context) -> list[bpy.types.Object]:
@@ -33,7 +38,9 @@ class MULTIBOUNCE_AO_OT_bake(LongOperator, bpy.types.Operator):
         nothing = "No mesh is selected: select the objects to bake"
         return object_mode_with(cls, context, selected_meshes(context), nothing)
 
-    def work(self, context: bpy.types.Context) -> Generator[Progress, None, list[ObjectReport]]:
+    def work(
+        self, context: bpy.types.Context, preview: Preview | None = None
+    ) -> Generator[Progress, None, list[ObjectReport]]:
         from .bake_job import bake  # here, with all of core: enabling the extension stays instant
 
         settings = BakeSettings.of(context.scene)
@@ -41,7 +48,17 @@ class MULTIBOUNCE_AO_OT_bake(LongOperator, bpy.types.Operator):
         if one_target and context.active_object not in selected_meshes(context):
             raise BakeError("Selected to Active bakes onto the active mesh, and none is: select it last")
         self._bounces = settings.bounces
-        return bake(context, selected_meshes(context), settings, selected=context.selected_objects)
+        chosen = context.selected_objects
+        return bake(context, selected_meshes(context), settings, selected=chosen, preview=preview)
+
+    def work_in_window(
+        self, context: bpy.types.Context
+    ) -> tuple[Generator[Progress, None, list[ObjectReport]], PreviewOverlay]:
+        from .preview import Preview
+        from .preview_overlay import PreviewOverlay
+
+        preview = Preview()
+        return self.work(context, preview), PreviewOverlay(preview)
 
     def tell(self, reports: list[ObjectReport]) -> set[str]:
         failed = [report.error for report in reports if report.error]

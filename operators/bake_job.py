@@ -13,6 +13,7 @@ from __future__ import annotations
 import time
 import traceback
 from collections.abc import Callable, Collection, Generator
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from tempfile import gettempdir
@@ -28,11 +29,12 @@ from .bent_normal_map import read_bent_normal_map
 from .fingerprint import fingerprint
 from .high_to_low import pairs, read_projection
 from .images import check_image_names, image_channels, is_nowhere, output_folder
-from .mesh_reader import evaluated_mesh, read_surface
+from .mesh_reader import evaluated_mesh, read_mesh
 from .names import CHANNELS
 from .object_checks import check_evaluated, check_object
 from .occluder_scenes import OccluderScenes
 from .overrides import Overrides
+from .preview import Preview
 from .progress import Progress
 from .report import BakeError, ObjectReport
 from .settings import BakeSettings
@@ -41,7 +43,7 @@ from .texture_target import bake_texture
 from .tracer import RayCount, Tracer
 from .uv_layout import uv_map_name
 from .version import extension_version
-from .vertex_target import VertexResult, bake_vertices, check_attribute_names, vertex_points
+from .vertex_target import VertexResult, bake_vertices, check_attribute_names, read_vertices
 
 _Baked = tuple[bpy.types.Object, ObjectReport, VertexResult | TextureResult | None, bytes, BakeSettings]
 
@@ -57,6 +59,7 @@ def bake(
     resume: bool = False,
     share: tuple[int, int] = (1, 1),
     fixed: Collection[str] = (),
+    preview: Preview | None = None,
 ) -> Generator[Progress, None, list[ObjectReport]]:
     """Bake ``objects`` (meshes of the context's view layer) with ``settings``, and what they and their collections
     override of them; return a report for each, in their order.
@@ -74,6 +77,7 @@ def bake(
     share       (i, n): bake the i-th of n shares of ``objects``, counted from 1, to the bits that a bake of all gives;
                 a share may be empty
     fixed       names of settings that nothing overrides
+    preview     shows how far it is; the result is the same with it
     """
     sources = pairs(objects, selected, settings)
     objects = objects if sources is None else list(sources)
@@ -91,6 +95,11 @@ def bake(
     done: list[_Baked] = []
     count = RayCount()
     baked_meshes: dict[bpy.types.Mesh, tuple[ObjectReport, BakeSettings]] = {}
+    if preview is not None:
+        preview.objects = len(objects)
+        # Not where one has a scene of its own, which would be built twice.
+        if len(objects) > 1 and sources is None and all(each.occluders != "SELF" for each in settings_of):
+            yield from _sketches(context, dict(zip(objects, settings_of, strict=True)), scenes, threads, count, preview)
     ends = _ends(objects, settings_of)
     for obj, chosen, report, begin, end in zip(objects, settings_of, reports, [0.0, *ends], ends, strict=False):
 
@@ -108,7 +117,8 @@ def bake(
             else:
                 known, partners = baked_fingerprint(obj) if resume else b"", sources and sources[obj]
                 tracer = partial(Tracer, settings=chosen, threads=threads, count=count)
-                work = _bake_object(context, obj, partners, chosen, folder, scenes, tracer, report, known, threads)
+                how = tracer, report, known, threads, preview
+                work = _bake_object(context, obj, partners, chosen, folder, scenes, *how)
                 result, mark = yield from mapped(work, progress)
                 if chosen.target == "VERTEX":
                     baked_meshes[obj.data] = report, chosen
@@ -151,6 +161,26 @@ def _folder(setting: str, textures: list[ObjectReport]) -> str:
             "the images were packed in it instead. Save it and bake again for files"
         )
     return ""
+
+
+def _sketches(
+    context: bpy.types.Context,
+    settings_of: dict[bpy.types.Object, BakeSettings],
+    scenes: OccluderScenes,
+    threads: int | None,
+    count: RayCount,
+    preview: Preview,
+) -> Generator[Progress, None, None]:
+    """Show all objects in the ``preview``, each with its settings, before the first is baked. What is wrong with one is
+    said when its turn comes."""
+    preview.is_sketching = True
+    for obj, settings in settings_of.items():
+        with suppress(Exception):
+            report = ObjectReport(obj.name, settings.target)
+            tracer = partial(Tracer, settings=settings, threads=threads, count=count)
+            work = _bake_object(context, obj, None, settings, "", scenes, tracer, report, b"", threads, preview)
+            yield from mapped(work, lambda _, name=report.name: Progress(0.0, name))
+    preview.is_sketching = False
 
 
 def _share_of(objects: list[bpy.types.Object], index: int, count: int) -> list[bpy.types.Object]:
@@ -201,6 +231,7 @@ def _bake_object(
     report: ObjectReport,
     known: bytes,
     threads: int | None,
+    preview: Preview | None,
 ) -> Generator[float, None, tuple[VertexResult | TextureResult | None, bytes]]:
     """Compute the bake of one object, of its own surface or of that of its ``partners``; yields the fraction done,
     returns the result and the fingerprint of all that it was made from. No result where that is ``known``. Raises
@@ -214,24 +245,27 @@ def _bake_object(
     # Blender's mesh is only held while it is read: it may be gone after a yield.
     with evaluated_mesh(evaluated) as mesh:
         check_evaluated(mesh, matrix)
-        projection = None if partners is None else read_projection(context, obj, mesh, partners, settings)
+        projected = None if partners is None else read_projection(context, obj, mesh, partners, settings)
         if settings.target == "VERTEX":
             check_attribute_names(obj, settings.bounces)
-            source = vertex_points(obj, mesh, matrix, projection and projection.cage)
-            bake_with, shown, more = partial(bake_vertices, obj.data, source, matrix), (), (projection,)
+            cage = projected and projected.cage
+            source = read_vertices(obj, mesh, matrix, cage)
+            bake_with, shown, more = partial(bake_vertices, obj.data, source), (), (projected,)
+            drawn, domain = (source.own, source.domain) if source.modified is None else (source.modified, "POINT")
+            picture = preview and preview.of_vertices(obj, drawn, domain, settings)
         else:
             check_image_names(obj, image_channels(settings))
             uv_map = uv_map_name(mesh, settings.uv_map)
-            source = read_surface(mesh, matrix, uv_map)
+            source = drawn = read_mesh(mesh, uv_map=uv_map)
             bake_with = partial(bake_texture, obj, source, uv_map, matrix)
             shown = albedo, read_bent_normal_map(mesh, matrix, uv_map, settings)
-            more = settings, folder, projection, *shown, threads
-    tracer = tracer((yield from scenes.scene_for(obj, report.warnings)))
+            more = settings, folder, projected, *shown, threads
+            picture = preview and preview.of_texels(obj, source, settings)
+    tracer = tracer((yield from scenes.scene_for(obj, report.warnings, drawn)))
     tracer = replace(tracer, albedo=scenes.albedo(report.warnings))
-    work = bake_with(tracer, report, *more)
-    if projection is not None:
-        source = source, projection.surface, projection.cage
-    made_from = extension_version(), settings.as_property(), folder, scenes.key, tracer.albedo, matrix, source, shown
+    work = bake_with(tracer, report, *more, picture)
+    made_from = extension_version(), settings.as_property(), folder, scenes.key, tracer.albedo, matrix
+    made_from = *made_from, source, projected, shown
     return (yield from in_thread(_unless_known(known, made_from, work)))
 
 

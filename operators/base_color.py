@@ -19,7 +19,7 @@ from .base_color_nodes import (
     read_base_color,
     unreadable_warning,
 )
-from .image_pixels import linear_pixels
+from .image_pixels import read_pixels
 from .mesh_reader import evaluated_mesh, front_facing, read, read_corner_vertices, read_triangles
 from .node_origins import UnreadableError
 from .occluder_reader import blockers
@@ -45,17 +45,17 @@ def read_albedo(depsgraph: bpy.types.Depsgraph, owners: Collection[bpy.types.Obj
     placed: list[tuple[tuple[int, int, int], NDArray | None]] = []
     for blocker in blockers(depsgraph, owners):
         # Where the instance's corners are among those of the mesh's triangles.
-        order = front_facing(np.arange(3)[None], blocker.matrix)[0]
+        order = front_facing(np.arange(3)[None], blocker.placed.matrix)[0]
         key = (*blocker.key, int(order[0]))
         if key not in meshes:
             meshes[key] = sources.add(blocker.evaluated, order, warnings)
-        placed.append((key, blocker.kept))
+        placed.append((key, blocker.placed.in_world()[2]))
     return sources.albedo(meshes, placed), warnings
 
 
 def read_own_albedo(evaluated: bpy.types.Object, matrix: NDArray, warnings: list[str]) -> Albedo:
     """As :func:`read_albedo`, of the triangles of one object placed by ``matrix`` (4, 4), in the order of its surface
-    (:func:`.mesh_reader.read_surface`)."""
+    (:meth:`.mesh_reader.MeshArrays.surface`)."""
     sources = _Sources()
     order = front_facing(np.arange(3)[None], matrix)[0]
     return sources.albedo({(0, 0, 0): sources.add(evaluated, order, warnings)}, [((0, 0, 0), None)])
@@ -129,7 +129,7 @@ class _Sources:
             shown = colour.source
             key = shown.image, shown.alpha
             if key not in pixels:
-                pixels[key] = linear_pixels(shown.image, shown.alpha)
+                pixels[key] = read_pixels(shown.image, shown.alpha).linear()
             texture = Texture(pixels[key], shown.extension, shown.is_closest)
             sources.append(TextureColours(texture, np.concatenate(rows.parts), colour.scale, colour.offset))
         first = np.cumsum([0, *map(len, sources)])

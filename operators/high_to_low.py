@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..core.projection import HighSurface
 from ..core.surface import Surface, join
-from .mesh_reader import evaluated_mesh, read_corner_vertices, read_positions, read_surface, to_world
+from .mesh_reader import MeshArrays, evaluated_mesh, read_corner_vertices, read_mesh, read_positions, to_world
 from .occluder_reader import SURFACE_TYPES
 from .report import BakeError
 from .settings import BakeSettings
@@ -33,6 +33,27 @@ class Projection:
     surface: Surface
     high: HighSurface
     cage: NDArray[np.float64] | None = None
+
+
+@dataclass(frozen=True)
+class ProjectionSource:
+    """What a :class:`Projection` is made of: the ``meshes`` that it shows with their matrices (4, 4), and their
+    ``names``, to be told; ``extrusion`` and ``reach`` as for :class:`core.projection.HighSurface`."""
+
+    meshes: tuple[tuple[MeshArrays, NDArray[np.float64]], ...]
+    names: str
+    extrusion: float
+    reach: float
+    cage: NDArray[np.float64] | None
+
+    def projection(self) -> Projection:
+        """Needs no Blender. Raises BakeError."""
+        surface = join([mesh.surface(matrix) for mesh, matrix in self.meshes])
+        if not np.isfinite(surface.vertices).all():
+            raise BakeError(
+                f"is to show {self.names}, whose coordinates are not all finite numbers: delete or move those"
+            )
+        return Projection(surface, HighSurface(surface, self.extrusion, self.reach), self.cage)
 
 
 def pairs(
@@ -73,27 +94,24 @@ def read_projection(
     low: bpy.types.Mesh,
     sources: Collection[bpy.types.Object],
     settings: BakeSettings,
-) -> Projection:
+) -> ProjectionSource:
     """What a bake onto ``obj``, whose evaluated mesh is ``low``, shows. Raises BakeError."""
     if not sources:
         raise BakeError(f"has no partner: select an object called '{_LOW.fullmatch(obj.name)[1]}_high' too")
     depsgraph = context.evaluated_depsgraph_get()
-    surfaces = []
+    meshes = []
     for source in sorted(sources, key=lambda each: each.name):
         if not source.visible_get(view_layer=context.view_layer):
             raise BakeError(f"is to show '{source.name}', which is hidden in the viewport: show it first")
         evaluated = source.evaluated_get(depsgraph)
         with evaluated_mesh(evaluated) as mesh:
             if mesh is not None and mesh.polygons:
-                surfaces.append(read_surface(mesh, np.array(evaluated.matrix_world, np.float64)))
+                meshes.append((read_mesh(mesh), np.array(evaluated.matrix_world, np.float64)))
     names = ", ".join(f"'{source.name}'" for source in sources)
-    if not surfaces:
+    if not meshes:
         raise BakeError(f"is to show {names}, which has no faces: add some, or select another object")
-    surface = join(surfaces)
-    if not np.isfinite(surface.vertices).all():
-        raise BakeError(f"is to show {names}, whose coordinates are not all finite numbers: delete or move those")
-    high = HighSurface(surface, settings.cage_extrusion, settings.max_ray_distance or np.inf)
-    return Projection(surface, high, _cage(depsgraph, low, settings.cage_object))
+    cage = _cage(depsgraph, low, settings.cage_object)
+    return ProjectionSource(tuple(meshes), names, settings.cage_extrusion, settings.max_ray_distance or np.inf, cage)
 
 
 def _cage(

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Literal
 
 import bpy
@@ -55,18 +56,30 @@ def alpha_use(node: bpy.types.Node) -> AlphaUse:
     return "KEEP" if is_read else "MULTIPLY"
 
 
-def linear_pixels(image: bpy.types.Image, alpha: AlphaUse) -> NDArray[np.float32]:
-    """Linear RGB (h, w, 3), bottom row first."""
+@dataclass(frozen=True)
+class Pixels:
+    """Pixels of an image as Blender gives them, ``rgba`` (h, w, 4), bottom row first: bytes as they are stored, which
+    may be ``is_srgb``, and floats as linear light."""
+
+    rgba: NDArray[np.float32]
+    is_srgb: bool
+    alpha: AlphaUse
+
+    def linear(self) -> NDArray[np.float32]:
+        """Linear RGB (h, w, 3). Needs no Blender."""
+        rgb, opacity = np.ascontiguousarray(self.rgba[..., :3]), self.rgba[..., 3:]
+        if self.is_srgb:
+            for line in rgb:
+                line[:] = _SRGB_TO_LINEAR[np.rint(line * 255.0).astype(np.uint8)]
+        if self.alpha == "MULTIPLY":
+            rgb *= opacity
+        elif self.alpha == "DIVIDE":
+            np.divide(rgb, opacity, out=rgb, where=opacity > 0.0)
+        return rgb
+
+
+def read_pixels(image: bpy.types.Image, alpha: AlphaUse) -> Pixels:
     width, height = image.size
     rgba = np.empty((height, width, 4), np.float32)
     image.pixels.foreach_get(rgba.reshape(-1))
-    rgb, opacity = np.ascontiguousarray(rgba[..., :3]), rgba[..., 3:]
-    # Blender gives bytes as they are stored, and floats as linear light.
-    if not image.is_float and image.colorspace_settings.name == "sRGB":
-        for line in rgb:
-            line[:] = _SRGB_TO_LINEAR[np.rint(line * 255.0).astype(np.uint8)]
-    if alpha == "MULTIPLY":
-        rgb *= opacity
-    elif alpha == "DIVIDE":
-        np.divide(rgb, opacity, out=rgb, where=opacity > 0.0)
-    return rgb
+    return Pixels(rgba, not image.is_float and image.colorspace_settings.name == "sRGB", alpha)

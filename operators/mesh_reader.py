@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 
 import bpy
 import numpy as np
@@ -12,6 +13,47 @@ from numpy.typing import NDArray
 
 from ..core.surface import Surface, unit
 from .report import BakeError
+
+
+@dataclass(frozen=True)
+class MeshTriangles:
+    """What a mesh is drawn as, in object space. Reading copies; what is computed with it needs no Blender, so that
+    another thread can.
+
+    positions      (n, 3) float32
+    corner_vertex  (c,) int32, vertex of each face corner
+    triangles      (m, 3) int32, corners of each triangle
+    """
+
+    positions: NDArray[np.float32]
+    corner_vertex: NDArray[np.int32]
+    triangles: NDArray[np.int32]
+
+
+@dataclass(frozen=True)
+class MeshArrays(MeshTriangles):
+    """And what a bake needs besides.
+
+    face_start  (f,) int32, first corner of each face
+    normals     (n, 3) or (c, 3) float32, of vertices or corners
+    uv          (c, 2) float32, or None
+    """
+
+    face_start: NDArray[np.int32]
+    normals: NDArray[np.float32]
+    uv: NDArray[np.float32] | None = None
+
+    def surface(self, matrix: NDArray) -> Surface:
+        """In world space; ``normals`` are of corners. Raises BakeError for a ``matrix`` with zero scale."""
+        return Surface(
+            vertices=to_world(self.positions, matrix),
+            corner_vertex=self.corner_vertex,
+            corner_normals=unit(self.normals @ linear_inverse(matrix)),
+            triangles=front_facing(self.triangles, matrix),
+            face_start=self.face_start,
+            face_size=np.diff(self.face_start, append=np.int32(len(self.corner_vertex))),
+            corner_uv=None if self.uv is None else self.uv.astype(np.float64),
+        )
 
 
 @contextmanager
@@ -101,16 +143,18 @@ def front_facing(triangles: NDArray[np.int32], matrix: NDArray) -> NDArray[np.in
     return triangles[:, ::-1] if np.linalg.det(matrix[:3, :3]) < 0.0 else triangles
 
 
-def read_surface(mesh: bpy.types.Mesh, matrix: NDArray, uv_map: str | None = None) -> Surface:
-    """``mesh`` in world space; ``uv_map`` must exist. Raises BakeError for a ``matrix`` with zero scale."""
-    uv = None if uv_map is None else read(mesh.uv_layers[uv_map].uv, "vector", 2, np.float32).astype(np.float64)
-    face_start = read_face_starts(mesh)
-    return Surface(
-        vertices=to_world(read_positions(mesh), matrix),
+def read_mesh_triangles(mesh: bpy.types.Mesh) -> MeshTriangles:
+    return MeshTriangles(read_positions(mesh), read_corner_vertices(mesh), read_triangles(mesh))
+
+
+def read_mesh(mesh: bpy.types.Mesh, domain: str = "CORNER", uv_map: str | None = None) -> MeshArrays:
+    """``mesh`` with the normals of its ``domain``, "POINT" or "CORNER"; ``uv_map`` must exist."""
+    normals = mesh.vertex_normals if domain == "POINT" else mesh.corner_normals
+    return MeshArrays(
+        positions=read_positions(mesh),
         corner_vertex=read_corner_vertices(mesh),
-        corner_normals=unit(read(mesh.corner_normals, "vector", 3, np.float32) @ linear_inverse(matrix)),
-        triangles=front_facing(read_triangles(mesh), matrix),
-        face_start=face_start,
-        face_size=np.diff(face_start, append=np.int32(len(mesh.loops))),
-        corner_uv=uv,
+        triangles=read_triangles(mesh),
+        face_start=read_face_starts(mesh),
+        normals=read(normals, "vector", 3, np.float32),
+        uv=None if uv_map is None else read(mesh.uv_layers[uv_map].uv, "vector", 2, np.float32),
     )

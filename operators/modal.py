@@ -12,13 +12,16 @@ from __future__ import annotations
 
 import time
 from collections.abc import Generator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import bpy
 
 from ..core.workers import giving_way
 from .progress import Pace, Progress, StderrProgress, drive
 from .report import BakeError
+
+if TYPE_CHECKING:
+    from .preview_overlay import PreviewOverlay
 
 # Seconds between steps, the most that one takes where there is always something new, and between drawings of it.
 TICK, STEP, REDRAW = 0.04, 0.01, 0.25
@@ -27,7 +30,13 @@ TICK, STEP, REDRAW = 0.04, 0.01, 0.25
 class Running:
     """Work that the window drives; the panel draws its progress."""
 
-    def __init__(self, label: str, work: Generator[Progress, None, Any], context: bpy.types.Context):
+    def __init__(
+        self,
+        label: str,
+        work: Generator[Progress, None, Any],
+        context: bpy.types.Context,
+        overlay: PreviewOverlay | None = None,
+    ):
         self.label = label
         self.progress = Progress(0.0, "")
         self.pace = Pace()
@@ -35,7 +44,7 @@ class Running:
         """Why it came to an end before its own; None while it goes on."""
         self.waits = False
         """Whether the result waits for Object Mode."""
-        self._work = work
+        self._work, self._overlay = work, overlay
         self._scene, self._view_layer = context.scene, context.view_layer
         self._timer = context.window_manager.event_timer_add(TICK, window=context.window)
         self._drawn = 0.0
@@ -55,12 +64,16 @@ class Running:
                 self.pace(self.progress)
                 if self.progress == before or self.progress.ready or time.perf_counter() > until:
                     break
+        if self._overlay is not None:
+            self._overlay.update(context.window_manager)
         if time.perf_counter() - self._drawn > REDRAW:
             self._drawn = time.perf_counter()
             self._show(context)
 
     def end(self, reason: str) -> None:
         """Stop, with nothing written; ``reason`` is what the artist is told."""
+        if self._overlay is not None:
+            self._overlay.remove(bpy.context.window_manager)
         if self.ended is None:
             self.ended = reason
             self._work.close()
@@ -117,6 +130,12 @@ class LongOperator:
         """The work, which raises BakeError where it cannot be done."""
         raise NotImplementedError
 
+    def work_in_window(
+        self, context: bpy.types.Context
+    ) -> tuple[Generator[Progress, None, Any], PreviewOverlay | None]:
+        """The same, and what shows it while it goes on."""
+        return self.work(context), None
+
     def tell(self, result: Any) -> set[str]:
         """Report the ``result`` of the work; returns what the operator does."""
         raise NotImplementedError
@@ -138,7 +157,12 @@ class LongOperator:
         global _running
         if bpy.app.background or context.window is None:
             return self.execute(context)
-        self._run = _running = Running(self.bl_label, self.work(context), context)
+        try:
+            work, overlay = self.work_in_window(context)
+        except BakeError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self._run = _running = Running(self.bl_label, work, context, overlay)
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 

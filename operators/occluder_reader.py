@@ -3,45 +3,63 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from .mesh_reader import evaluated_mesh, front_facing, read_corner_vertices, read_positions, read_triangles, to_world
+from .mesh_reader import MeshTriangles, evaluated_mesh, front_facing, read_mesh_triangles, to_world
 
 # Objects that evaluate to faces.
 SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
 
 
 @dataclass(frozen=True)
+class PlacedMesh:
+    """The ``mesh`` of an object called ``name``, or of an instance that it makes, which ``matrix`` (4, 4) places in the
+    world."""
+
+    name: str
+    mesh: MeshTriangles
+    matrix: NDArray[np.float64]
+
+    def in_world(self) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.bool_] | None]:
+        """Vertices (n, 3), zero where they are not finite; triangles (m, 3) of them, counter-clockwise seen from the
+        front, none with coordinates that are not finite; and which of the mesh's triangles these are, None: all."""
+        points = to_world(self.mesh.positions, self.matrix)
+        triangles, kept = front_facing(self.mesh.corner_vertex[self.mesh.triangles], self.matrix), None
+        finite = np.isfinite(points).all(axis=1)
+        if not finite.all():
+            kept = finite[triangles].all(axis=1)
+            triangles = triangles[kept]
+            points[~finite] = 0.0
+        return points, triangles, kept
+
+
+@dataclass(frozen=True)
 class Blocker:
     """One object or instance that blocks rays.
 
-    owner      original object that it belongs to
     evaluated  what has the mesh; good until the next one is asked for, as all of Blender's instances
     key        the same for instances of one mesh, which has the same materials
-    matrix     (4, 4) float64, to the world
-    points     (n, 3) float64, vertices in world space; zero where they are not finite
-    triangles  (m, 3) int32, counter-clockwise seen from the front; none with coordinates that are not finite
-    kept       which of the mesh's triangles these are, bool; None: all
+    placed     its mesh, which stays good
     """
 
-    owner: bpy.types.Object
     evaluated: bpy.types.Object
     key: tuple[int, int]
-    matrix: NDArray[np.float64]
-    points: NDArray[np.float64]
-    triangles: NDArray[np.int32]
-    kept: NDArray[np.bool_] | None
+    placed: PlacedMesh
 
 
-def blockers(depsgraph: bpy.types.Depsgraph, owners: Collection[bpy.types.Object]) -> Iterator[Blocker]:
+def blockers(
+    depsgraph: bpy.types.Depsgraph,
+    owners: Collection[bpy.types.Object],
+    known: Mapping[bpy.types.Object, MeshTriangles] | None = None,
+) -> Iterator[Blocker]:
     """The objects ``owners`` and the instances they make (collections, geometry nodes, particles), in the order that
-    triangles of rays are numbered by."""
-    local: dict[tuple[int, int], tuple[NDArray, NDArray]] = {}
+    triangles of rays are numbered by. ``known`` are evaluated meshes that were read already, of objects themselves."""
+    local: dict[tuple[int, int], MeshTriangles] = {}
     rendered: dict[tuple[bpy.types.Object, bpy.types.Object], bool] = {}
     for instance in depsgraph.object_instances:
         evaluated = instance.object
@@ -60,35 +78,30 @@ def blockers(depsgraph: bpy.types.Depsgraph, owners: Collection[bpy.types.Object
         # Instances of one mesh are read once.
         key = (original.as_pointer(), evaluated.data.as_pointer() if evaluated.data else 0)
         if key not in local:
-            local[key] = _read_local(evaluated)
-        positions, triangles = local[key]
+            read = None if instance.is_instance else (known or {}).get(original)
+            local[key] = read or _read_local(evaluated)
         matrix = np.array(instance.matrix_world, np.float64)
-        points = to_world(positions, matrix)
-        triangles, kept = front_facing(triangles, matrix), None
-        finite = np.isfinite(points).all(axis=1)
-        if not finite.all():
-            kept = finite[triangles].all(axis=1)
-            triangles = triangles[kept]
-            points[~finite] = 0.0
-        yield Blocker(owner, evaluated, key, matrix, points, triangles, kept)
+        yield Blocker(evaluated, key, PlacedMesh(owner.name, local[key], matrix))
 
 
 def read_occluders(
     depsgraph: bpy.types.Depsgraph, owners: Collection[bpy.types.Object]
 ) -> tuple[NDArray[np.float64], NDArray[np.int32], list[str]]:
-    """Triangles of the :func:`blockers`.
+    """The :func:`blockers`, :func:`together`."""
+    return together([blocker.placed for blocker in blockers(depsgraph, owners)])
 
-    Returns vertices (n, 3) in world space, triangles (m, 3), and warnings. Triangles with NaN or infinite coordinates
-    are left out with a warning.
-    """
+
+def together(placed: Sequence[PlacedMesh]) -> tuple[NDArray[np.float64], NDArray[np.int32], list[str]]:
+    """Vertices (n, 3) in world space, triangles (m, 3), and warnings. Triangles with NaN or infinite coordinates are
+    left out with a warning. Needs no Blender."""
     vertices, triangles, warnings, count = [np.empty((0, 3))], [np.empty((0, 3), np.int64)], [], 0
-    for blocker in blockers(depsgraph, owners):
-        if blocker.kept is not None:
-            name = blocker.owner.name
-            warnings.append(f"'{name}' has vertices without finite coordinates: their faces block no light")
-        vertices.append(blocker.points)
-        triangles.append(blocker.triangles + count)
-        count += len(blocker.points)
+    for each in placed:
+        points, of_points, kept = each.in_world()
+        if kept is not None:
+            warnings.append(f"'{each.name}' has vertices without finite coordinates: their faces block no light")
+        vertices.append(points)
+        triangles.append(of_points + count)
+        count += len(points)
     return np.concatenate(vertices), np.concatenate(triangles).astype(np.int32), warnings
 
 
@@ -106,11 +119,11 @@ def _instance_rendered(source: bpy.types.Object, owner: bpy.types.Object) -> boo
     return any(user == owner or isinstance(user, bpy.types.GeometryNodeTree) for user in users)
 
 
-def _read_local(evaluated: bpy.types.Object) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
+def _read_local(evaluated: bpy.types.Object) -> MeshTriangles:
     with evaluated_mesh(evaluated) as mesh:
         if mesh is None:
-            return np.empty((0, 3), np.float32), np.empty((0, 3), np.int32)
-        return read_positions(mesh), read_corner_vertices(mesh)[read_triangles(mesh)]
+            return MeshTriangles(np.empty((0, 3), np.float32), np.empty(0, np.int32), np.empty((0, 3), np.int32))
+        return read_mesh_triangles(mesh)
 
 
 def rendered_objects(view_layer: bpy.types.ViewLayer) -> set[bpy.types.Object]:

@@ -14,9 +14,9 @@ from ..core.albedo import Albedo
 from ..core.rays import Occluders
 from ..core.workers import calling, in_thread
 from .base_color import read_albedo
-from .mesh_reader import evaluated_mesh, read_corner_vertices, read_positions, to_world
+from .mesh_reader import MeshTriangles, evaluated_mesh, read_corner_vertices, read_positions, to_world
 from .occluder_cache import occluders_of
-from .occluder_reader import read_occluders, rendered_objects
+from .occluder_reader import PlacedMesh, blockers, rendered_objects, together
 
 # An object further than this many of its own sizes from the middle of the scene gets a scene centred on itself: there
 # single precision, and the ray offset with it, would become coarser than a few ten-thousandths of the object.
@@ -63,7 +63,10 @@ class OccluderScenes:
         # object itself; with several, the partners of the others do not either, unless all that is selected should.
         self._sources = {obj: frozenset(each) for obj, each in (sources or {}).items()}
         baked = objects if sources is None else frozenset().union(*self._sources.values())
-        heights = [self._bounds_of(obj)[0][2] for obj in baked] if settings.use_ground_plane else []
+        heights: list[float] = []
+        if settings.use_ground_plane:
+            self._bounds = {obj: _bounds(*_read_positions(context, obj)) for obj in baked}
+            heights = [low[2] for low, _ in self._bounds.values()]
         lowest = min(heights, default=np.inf)
         self.ground_height = float(lowest) if np.isfinite(lowest) else None
         # The last one only: objects that share it follow one another, and each may be as large as the scene.
@@ -85,19 +88,25 @@ class OccluderScenes:
             others = others.difference(*self._sources.values())
         return (self._sources[obj] | others) - self._sources.keys()
 
-    def scene_for(self, obj: bpy.types.Object, warnings: list[str]) -> Generator[float, None, Occluders]:
+    def scene_for(
+        self, obj: bpy.types.Object, warnings: list[str], mesh: MeshTriangles | None = None
+    ) -> Generator[float, None, Occluders]:
         """What blocks the rays of ``obj``, always with itself; appends to ``warnings`` what its artist should know.
-        Reads it in the first step; yields 0 while a scene is built."""
-        low, high = self._bounds_of(obj)
+        Reads it in the first step, but for the evaluated ``mesh`` of ``obj``, if that is given; yields 0 while a scene
+        is built."""
+        positions = () if obj in self._bounds else _read_positions(self._context, obj)
         if self._which(obj) == "VISIBLE" and not self._sources and obj not in self._rendered:
             warnings.append("Disabled in renders: it was baked, and blocks no light on other objects")
         owners = self.owners_for(obj)
         if self._scene is None or owners != self._owners:
-            yield from self._build(owners)
+            yield from self._build(owners, known={obj: mesh} if mesh else None)
+        if obj not in self._bounds:
+            self._bounds[obj] = yield from in_thread(calling(_bounds, *positions))
+        low, high = self._bounds[obj]
         if np.isfinite(low).all():
             centre = 0.5 * (low + high)
             if np.abs(centre - self._scene.centre).max() > FAR * (high - low).max():
-                yield from self._build(owners, centre)
+                yield from self._build(owners, centre=centre)
         warnings += self._warnings
         return self._scene
 
@@ -111,34 +120,51 @@ class OccluderScenes:
         return self._own.get(obj, self._settings).occluders
 
     def _build(
-        self, owners: frozenset[bpy.types.Object], centre: NDArray | None = None
+        self,
+        owners: frozenset[bpy.types.Object],
+        known: dict[bpy.types.Object, MeshTriangles] | None = None,
+        centre: NDArray | None = None,
     ) -> Generator[float, None, None]:
         self._scene = self._albedo = None  # freed before the next is built
         depsgraph = self._context.evaluated_depsgraph_get()
-        vertices, triangles, self._warnings = read_occluders(depsgraph, owners)
+        placed = [blocker.placed for blocker in blockers(depsgraph, owners, known)]
         if self._colours:  # in the same moment: its triangles are those
             self._albedo, self._unread = read_albedo(depsgraph, owners)
-        self.key, self._scene = yield from in_thread(
-            calling(occluders_of, vertices, triangles, self.ground_height, centre)
-        )
+        built = _built(placed, self.ground_height, centre)
+        self.key, self._scene, self._warnings = yield from in_thread(built)
         # One that is centred on an object is for that object alone.
         self._owners = owners if centre is None else frozenset()
 
-    def _bounds_of(self, obj: bpy.types.Object) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """As :func:`_bounds`, read once for the ground plane and the centre."""
-        if obj not in self._bounds:
-            self._bounds[obj] = _bounds(self._context, obj)
-        return self._bounds[obj]
+
+def _built(
+    placed: list[PlacedMesh], ground_height: float | None, centre: NDArray | None
+) -> Generator[float, None, tuple[bytes, Occluders, list[str]]]:
+    """Fingerprint and scene of ``placed`` meshes, see :func:`.occluder_cache.occluders_of`, and warnings; for
+    :func:`core.workers.in_thread`."""
+    yield 0.0
+    vertices, triangles, warnings = together(placed)
+    yield 0.0
+    return *occluders_of(vertices, triangles, ground_height, centre), warnings
 
 
-def _bounds(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Lowest and highest world coordinates (3,) of the finite vertices of the faces of ``obj``; inf, -inf if none."""
+def _read_positions(
+    context: bpy.types.Context, obj: bpy.types.Object
+) -> tuple[NDArray[np.float32], NDArray[np.int32], NDArray[np.float64]]:
+    """Positions (n, 3) of the vertices of ``obj``, the vertices of its face corners, and its matrix."""
     evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
-    positions = np.empty((0, 3))
+    matrix = np.array(evaluated.matrix_world, np.float64)
     with evaluated_mesh(evaluated) as mesh:
-        if mesh is not None:
-            used = np.zeros(len(mesh.vertices), bool)
-            used[read_corner_vertices(mesh)] = True
-            positions = to_world(read_positions(mesh)[used], np.array(evaluated.matrix_world, np.float64))
-    positions = positions[np.isfinite(positions).all(axis=1)]
-    return positions.min(axis=0, initial=np.inf), positions.max(axis=0, initial=-np.inf)
+        if mesh is None:
+            return np.empty((0, 3), np.float32), np.empty(0, np.int32), matrix
+        return read_positions(mesh), read_corner_vertices(mesh), matrix
+
+
+def _bounds(
+    positions: NDArray[np.float32], corner_vertex: NDArray[np.int32], matrix: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Lowest and highest world coordinates (3,) of the finite vertices that faces have; inf, -inf if there are none."""
+    used = np.zeros(len(positions), bool)
+    used[corner_vertex] = True
+    world = to_world(positions[used], matrix)
+    world = world[np.isfinite(world).all(axis=1)]
+    return world.min(axis=0, initial=np.inf), world.max(axis=0, initial=-np.inf)

@@ -13,13 +13,20 @@ def object_mode_with(
 ) -> bool:
     """Whether ``context`` is in Object Mode, there are ``objects`` to work on, and no bake is running; tells why not
     (``nothing``)."""
-    if running() is not None:
-        operator.poll_message_set(f"{running().label} is running: wait for it, or press Esc to cancel it")
+    if not nothing_runs(operator):
         return False
     if context.mode != "OBJECT":
         operator.poll_message_set("Switch to Object Mode first")
         return False
     if not objects:
         operator.poll_message_set(nothing)
+        return False
+    return True
+
+
+def nothing_runs(operator: type[bpy.types.Operator]) -> bool:
+    """Whether no long work is running; tells what is."""
+    if running() is not None:
+        operator.poll_message_set(f"{running().label} is running: wait for it, or press Esc to cancel it")
         return False
     return True

@@ -13,6 +13,9 @@ from .report import count_text
 
 Result = TypeVar("Result")
 
+STARTED = 1e-6
+"""Fraction of work that has begun to do what all of it will be like: its time counts from there."""
+
 
 @dataclass(frozen=True)
 class Progress:
@@ -35,8 +38,9 @@ class Progress:
 class Pace:
     """How fast work goes, from its progress. ``now`` is the clock, in seconds."""
 
-    # Nothing is said before so many seconds, nor before this part of the work while it is not that long yet.
-    LEAST_SECONDS, LEAST_FRACTION, LONG = 0.5, 0.02, 3.0
+    # Nothing is said before so many seconds, nor before this part of the work; after long ones a smaller part will do.
+    LEAST_SECONDS, LEAST_FRACTION = 0.5, 0.02
+    LONG_SECONDS, LONG_FRACTION = 3.0, 0.002
 
     def __init__(self, now: Callable[[], float] = time.perf_counter):
         self._now = now
@@ -54,7 +58,8 @@ class Pace:
             self._began = now
         else:
             elapsed = now - self._began
-            if elapsed >= (self.LEAST_SECONDS if progress.fraction >= self.LEAST_FRACTION else self.LONG):
+            least = self.LEAST_FRACTION if elapsed < self.LONG_SECONDS else self.LONG_FRACTION
+            if elapsed >= self.LEAST_SECONDS and progress.fraction >= least:
                 self.left = elapsed * (1.0 / progress.fraction - 1.0)
         if progress.rays:
             self._first_ray = self._first_ray or now

@@ -3,31 +3,44 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
+
 import bpy
 
 from ..core.spherical_harmonics import Y0
+from ..core.workers import mapped
 from ..shader_nodes.cone_light import STORED_WORLD, show_world
 from .bake_record import baked_source
 from .material_nodes import add_world_light
-from .report import BakeError
+from .modal import LongOperator
+from .poll import nothing_runs
+from .progress import Progress, drive
 from .version import extension_version
 from .world_radiance import world_coefficients
 
+# Each rendering in the window is to be short, since Blender draws nothing else meanwhile; each takes its time to begin.
+STRIPS = 4
 
-class MULTIBOUNCE_AO_OT_project_world(bpy.types.Operator):
+
+class MULTIBOUNCE_AO_OT_project_world(LongOperator, bpy.types.Operator):
     """Project the light of the scene's World for the bent-cone nodes. Press again after changing the World"""
 
     bl_idname = "multibounce_ao.project_world"
     bl_label = "Project World"
     bl_options = {"REGISTER", "UNDO"}
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        try:
-            project_world(context.scene)
-        except BakeError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        self.report({"INFO"}, summary(context.scene))
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return nothing_runs(cls)
+
+    def work(self, context: bpy.types.Context, strips: int = 1) -> Generator[Progress, None, bpy.types.Scene]:
+        return projecting(context.scene, strips)
+
+    def work_in_window(self, context: bpy.types.Context) -> tuple[Generator[Progress, None, bpy.types.Scene], None]:
+        return self.work(context, STRIPS), None
+
+    def tell(self, scene: bpy.types.Scene) -> set[str]:
+        self.report({"INFO"}, summary(scene))
         return {"FINISHED"}
 
 
@@ -83,19 +96,27 @@ class MULTIBOUNCE_AO_OT_add_world_light(bpy.types.Operator):
         return {"FINISHED"}
 
 
-def project_world(scene: bpy.types.Scene) -> None:
-    """Store the light of the World of ``scene`` on it, and show it in the node groups of the file. Raises BakeError,
-    and then nothing has changed."""
-    red, green, blue = world_coefficients(scene).T.tolist()
+def projecting(scene: bpy.types.Scene, strips: int) -> Generator[Progress, None, bpy.types.Scene]:
+    """Store the light of the World of ``scene`` on it, which is returned, and show it in the node groups of the file.
+    ``strips`` as for :func:`.world_radiance.world_coefficients`. Raises BakeError, and then nothing has changed."""
+    name, frame = scene.world.name if scene.world is not None else "", scene.frame_current
+    work = world_coefficients(scene, strips)
+    red, green, blue = (yield from mapped(work, lambda done: Progress(done, name))).T.tolist()
     scene[STORED_WORLD] = {
         "red": red,
         "green": green,
         "blue": blue,
-        "world": scene.world.name,
-        "frame": scene.frame_current,
+        "world": name,
+        "frame": frame,
         "version": extension_version(),
     }
     show_world(scene)
+    return scene
+
+
+def project_world(scene: bpy.types.Scene) -> None:
+    """The same at once."""
+    drive(projecting(scene, strips=1), lambda progress: None)
 
 
 def summary(scene: bpy.types.Scene) -> str:

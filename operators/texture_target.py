@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -22,9 +22,11 @@ from ..core.sample_points import PROBES, CornerTable, SamplePoints, TexelPoints,
 from ..core.surface import Surface, unit
 from ..core.workers import Workers, mapped, slices
 from .bent_normal_map import BentNormalMap
-from .high_to_low import Projection
-from .mesh_reader import linear_inverse
+from .high_to_low import ProjectionSource
+from .mesh_reader import MeshArrays, linear_inverse
 from .names import BENT_NORMAL, CHANNELS
+from .preview import TexturePicture
+from .progress import STARTED
 from .report import BakeError, ObjectReport
 from .settings import BakeSettings
 from .texture_memory import check_memory, needed_memory
@@ -34,34 +36,41 @@ from .uv_layout import check_layout, expected_texels, overlaps, touched_tiles
 
 # Texels whose channels a thread computes together.
 TEXELS_PER_PART = 2**15
+# What finding a place of a texel takes, in rays; only what is told of the progress depends on it.
+RAYS_BEFORE = 0.5
 
 
 def bake_texture(
     obj: bpy.types.Object,
-    surface: Surface,
+    source: MeshArrays,
     uv_map: str,
     matrix: NDArray,
     tracer: Tracer,
     report: ObjectReport,
     settings: BakeSettings,
     folder: str,
-    projection: Projection | None,
+    projected: ProjectionSource | None,
     albedo: Albedo | None,
     bent_normals: BentNormalMap | None,
     threads: int | None,
-) -> Generator[float, None, TextureResult]:
-    """Bake the texels of ``obj``, whose evaluated ``surface`` has the UVs of ``uv_map``; yields the fraction done.
+    picture: TexturePicture | None = None,
+) -> Generator[float, None, TextureResult | None]:
+    """Bake the texels of ``obj``, whose evaluated mesh is ``source``, with the UVs of ``uv_map``; yields the fraction
+    done.
 
-    ``matrix`` (4, 4) places the object; its texels show its own surface, or that of a ``projection``; ``albedo`` of its
-    triangles is kept for the maps; ``bent_normals`` makes one more image; ``threads`` rasterise. Raises BakeError where
-    the UV map leaves nothing to bake.
+    ``matrix`` (4, 4) places the object; its texels show its own surface, or what is ``projected``; ``albedo`` of its
+    triangles is kept for the maps; ``bent_normals`` makes one more image; ``threads`` rasterise; ``picture`` shows how
+    far it is. None where that is only to be a sketch. Raises BakeError where the UV map leaves nothing to bake.
     """
+    yield 0.0
+    surface = source.surface(matrix)
     triangle_uv = surface.corner_uv[surface.triangles]
     report.warnings += check_layout(triangle_uv, uv_map, settings.use_udim)
     numbers = touched_tiles(triangle_uv) if settings.use_udim else [1001]
     report.memory = needed_memory(settings, len(numbers), len(triangle_uv))
     check_memory(report.memory)
     yield 0.0
+    projection = projected and projected.projection()
     corners = CornerTable(surface)
     shown, extent, cage = corners, surface.extent, None
     if projection is not None:
@@ -69,16 +78,29 @@ def bake_texture(
         if projection.cage is not None:
             cage = CornerTable(replace(surface, vertices=projection.cage))
     texels = expected_texels(triangle_uv, settings.resolution, len(numbers))
-    begin = tracer.light_share(texels)
+
+    def points(texels: Texels, size: int) -> SamplePoints:
+        low = TexelPoints(corners, texels, size)
+        if projection is None:
+            return low
+        return ProjectedPoints(low, projection.high, cage and TexelPoints(cage, texels, size))
+
+    if picture is not None:
+        tile_uv = {number: _in_tile(triangle_uv, number) for number in numbers}
+        sketch = picture.sketch(tracer, tile_uv, points, extent, texels, threads)
+        yield from mapped(sketch, lambda done: 0.0)
+        if picture.is_sketch:
+            return None
+    begin = tracer.light_share(texels, texel_places(settings.samples))
     lighting = tracer.light(partial(spread_points, shown, PROBES), texels, extent)
     cache = yield from mapped(lighting, lambda done: begin * done)
-    places, maps = (triangle_uv, corners, cage, projection), (albedo, bent_normals)
-    baker = _TileBaker(surface, *places, tracer, cache, extent, linear_inverse(matrix), *maps, settings, threads)
+    maps, shown = (albedo, bent_normals), (settings, threads, picture)
+    baker = _TileBaker(surface, triangle_uv, points, tracer, cache, extent, linear_inverse(matrix), *maps, *shown)
     tiles, f0 = {}, []
     for done, number in enumerate(numbers):
 
         def fraction(part: float, done=done) -> float:
-            return begin + (1.0 - begin) * (done + part) / len(numbers)
+            return max(STARTED, begin + (1.0 - begin) * (done + part) / len(numbers))
 
         tile = yield from mapped(baker.bake(number, report, f0), fraction)
         if tile is not None:
@@ -99,9 +121,7 @@ class _TileBaker:
 
     surface: Surface
     triangle_uv: NDArray[np.float64]
-    corners: CornerTable
-    cage: CornerTable | None
-    projection: Projection | None
+    points: Callable[[Texels, int], SamplePoints]
     tracer: Tracer
     cache: LightCache | None
     extent: float
@@ -110,14 +130,16 @@ class _TileBaker:
     bent_normals: BentNormalMap | None
     settings: BakeSettings
     threads: int | None
+    picture: TexturePicture | None
 
     def bake(
         self, number: int, report: ObjectReport, f0: list[NDArray[np.float32]]
     ) -> Generator[float, None, Tile | None]:
         """The tile of that ``number``; None where nothing lies in it. Counts its points in ``report``, and adds their
         F0 to ``f0``."""
+        yield 0.0
         size, tracer, threads = self.settings.resolution, self.tracer, self.threads
-        triangle_uv = self.triangle_uv - ((number - 1001) % 10, (number - 1001) // 10)
+        triangle_uv = _in_tile(self.triangle_uv, number)
         flat = {channel: np.zeros((size * size, 4), np.float32) for channel in CHANNELS[self.settings.bounces]}
         if self.bent_normals is not None:
             flat[BENT_NORMAL] = np.tile(self.bent_normals.background(), (size * size, 1))
@@ -129,10 +151,18 @@ class _TileBaker:
             texels = rasterise(triangle_uv, size, size, places, (first, last), threads)
             if not len(texels.texel):
                 continue
-            points = self._points(texels)
-            tracing = tracer.visibility(points, self.extent, self.cache)
-            rows = (last - first) / len(texels.texel)
-            visibility = yield from mapped(tracing, lambda done, first=first, rows=rows: (first + done * rows) / size)
+            points = self.points(texels, size)
+            watch = self.picture and self.picture.refine(number, texels.texel)
+            tracing = tracer.visibility(points, self.extent, self.cache, watch)
+            begin, part = first / size, (last - first) / size
+            ahead = part / (1.0 + self.settings.samples / (RAYS_BEFORE * places))
+            each = (part - ahead) / len(texels.texel)
+
+            def fraction(done: int, begin=begin, ahead=ahead, each=each) -> float:
+                # Half of what goes before is done when tracing is asked for, and all when the first is traced.
+                return begin + (ahead + done * each if done else 0.5 * ahead)
+
+            visibility = yield from mapped(tracing, fraction)
 
             def fill(part: slice, texels=texels, visibility=visibility) -> None:
                 texel = texels.texel[part]
@@ -173,9 +203,7 @@ class _TileBaker:
         extend_margin([images[channel] for channel in local], covered, self.settings.margin, threads)
         return tile
 
-    def _points(self, texels: Texels) -> SamplePoints:
-        size = self.settings.resolution
-        points = TexelPoints(self.corners, texels, size)
-        if self.projection is None:
-            return points
-        return ProjectedPoints(points, self.projection.high, self.cage and TexelPoints(self.cage, texels, size))
+
+def _in_tile(triangle_uv: NDArray[np.float64], number: int) -> NDArray[np.float64]:
+    """UVs (m, 3, 2) as the tile of that ``number`` has them."""
+    return triangle_uv - ((number - 1001) % 10, (number - 1001) // 10)

@@ -16,7 +16,7 @@ from ..core.light_cache import LightCache, build_light_cache, cells_wanted
 from ..core.rays import Obscurance, Occluders
 from ..core.sample_points import SamplePoints, SurfacePoints
 from ..core.sampling import hemisphere_pattern
-from ..core.visibility import Visibility, trace_visibility
+from ..core.visibility import Visibility, Watch, trace_visibility
 from ..core.workers import mapped
 from .names import BENT_CONE, CHANNELS, MULTIBOUNCE_AO, RADIOSITY
 from .settings import BakeSettings
@@ -29,9 +29,9 @@ class RayCount:
     rays: int = 0
 
 
-# What finding the light of a cell costs, in rays of the bake: between 75 and 120 unless there are very few rays. Only
-# what is told of the progress depends on it.
-RAYS_OF_A_CELL = 100
+# About what finding the light of a cell costs, and what a place of a point does besides its rays, in rays of the bake.
+# Only what is told of the progress depends on it.
+RAYS_OF_A_CELL, RAYS_OF_A_PLACE = 100, 2
 
 
 def light_rays(rays: int) -> int:
@@ -50,13 +50,12 @@ class Tracer:
     count: RayCount
     albedo: Albedo | None = None
 
-    def light_share(self, points: int) -> float:
-        """Part of the time of a bake of so many ``points`` that :meth:`light` takes."""
+    def light_share(self, points: int, places: int = 1) -> float:
+        """Part of the time of a bake of so many ``points``, each with so many ``places``, that :meth:`light` takes."""
         if self.settings.bounces == "FITTED":
             return 0.0
-        rays = points * self.settings.samples
-        light = light_rays(rays)
-        return light / (light + rays)
+        light = light_rays(points * self.settings.samples)
+        return light / (light + points * (self.settings.samples + RAYS_OF_A_PLACE * places))
 
     def light(
         self, probes: Callable[[], SurfacePoints], points: int, extent: float
@@ -70,9 +69,10 @@ class Tracer:
         return (yield from build_light_cache(self.occluders, probes(), rays, **common))
 
     def visibility(
-        self, points: SamplePoints, extent: float, cache: LightCache | None
+        self, points: SamplePoints, extent: float, cache: LightCache | None, watch: Watch | None = None
     ) -> Generator[int, None, Visibility]:
-        """What ``points`` see; yields the number of those done. ``cache`` is what :meth:`light` returned."""
+        """What ``points`` see; yields the number of those done. ``cache`` is what :meth:`light` returned; ``watch`` is
+        told what has been found so far."""
         pattern = hemisphere_pattern(self.settings.samples)
         before = self.count.rays
 
@@ -80,8 +80,12 @@ class Tracer:
             self.count.rays = before + done * self.settings.samples
             return done
 
-        tracing = trace_visibility(self.occluders, points, pattern, extent=extent, cache=cache, **self._common())
-        return mapped(tracing, counted)
+        common = {"extent": extent, "cache": cache, "watch": watch, **self._common()}
+        return mapped(trace_visibility(self.occluders, points, pattern, **common), counted)
+
+    def glance(self, points: SamplePoints, extent: float, samples: int) -> Generator[int, None, Visibility]:
+        """As :meth:`visibility`, with so few ``samples``, without light, and not counted."""
+        return trace_visibility(self.occluders, points, hemisphere_pattern(samples), extent=extent, **self._common())
 
     def channels(self, visibility: Visibility, world_to_object: NDArray) -> dict[str, NDArray[np.float32]]:
         """What is stored of n points, by name, each (n, 4). ``world_to_object`` as for

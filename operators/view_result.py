@@ -12,6 +12,7 @@ from gpu_extras.batch import batch_for_shader
 from .images import recorded_images
 from .mesh_reader import evaluated_mesh, read, read_corner_vertices, read_positions, read_triangles
 from .names import BENT_CONE, MULTIBOUNCE_AO, PROPERTY, RADIOSITY
+from .overlay_shader import overlay_shader, placed
 from .uv_layout import in_tile
 from .viewports import redraw_viewports
 
@@ -28,15 +29,6 @@ VIEWS = (
 # Of white walls.
 ALBEDO = 0.8
 
-# A hair before the surface itself.
-_VERTEX = """
-void main()
-{
-  gl_Position = ModelViewProjectionMatrix * vec4(position, 1.0);
-  gl_Position.z -= 2e-5 * gl_Position.w;
-  PASS_ON
-}
-"""
 _FRAGMENT = """
 // The viewport's buffer encodes what is written to it for the display.
 vec3 decoded(vec3 colour)
@@ -101,11 +93,7 @@ class _Overlay:
         shader.uniform_int("view", [view[0] for view in VIEWS].index(context.window_manager.multibounce_ao_view) - 1)
         shader.uniform_bool("radiosity", [obj[PROPERTY]["bounces"] == "RADIOSITY"])
         shader.uniform_float("albedo", ALBEDO)
-        with gpu.matrix.push_pop():
-            gpu.matrix.multiply_matrix(obj.matrix_world)
-            shader.uniform_float(
-                "ModelViewProjectionMatrix", gpu.matrix.get_projection_matrix() @ gpu.matrix.get_model_view_matrix()
-            )
+        with placed(shader, obj.matrix_world):
             batch.draw(shader)
 
     def _batch(self, context: bpy.types.Context, obj: bpy.types.Object):
@@ -151,30 +139,17 @@ class _Overlay:
 
 
 def _shader(images: bool) -> gpu.types.GPUShader:
-    passed = gpu.types.GPUStageInterfaceInfo("multibounce_ao_view_images" if images else "multibounce_ao_view")
-    info = gpu.types.GPUShaderCreateInfo()
-    info.push_constant("MAT4", "ModelViewProjectionMatrix")
-    info.push_constant("INT", "view")
-    info.push_constant("BOOL", "radiosity")
-    info.push_constant("FLOAT", "albedo")
-    info.vertex_in(0, "VEC3", "position")
+    constants = {"view": "INT", "radiosity": "BOOL", "albedo": "FLOAT"}
     if images:
-        info.vertex_in(1, "VEC2", "uv")
-        passed.smooth("VEC2", "uv_at")
-        info.sampler(0, "FLOAT_2D", "ao_image")
-        info.sampler(1, "FLOAT_2D", "bent_image")
-        pass_on, ao, bent = "uv_at = uv;", "texture(ao_image, uv_at)", "texture(bent_image, uv_at)"
-    else:
-        info.vertex_in(1, "VEC4", "ao")
-        info.vertex_in(2, "VEC4", "bent")
-        passed.smooth("VEC4", "ao_at")
-        passed.smooth("VEC4", "bent_at")
-        pass_on, ao, bent = "ao_at = ao; bent_at = bent;", "ao_at", "bent_at"
-    info.vertex_out(passed)
-    info.fragment_out(0, "VEC4", "fragColor")
-    info.vertex_source(_VERTEX.replace("PASS_ON", pass_on))
-    info.fragment_source(_FRAGMENT.replace("AO,", f"{ao},").replace("BENT;", f"{bent};"))
-    return gpu.shader.create_from_info(info)
+        fragment = _fragment("texture(ao_image, uv_at)", "texture(bent_image, uv_at)")
+        samplers = "ao_image", "bent_image"
+        return overlay_shader("multibounce_ao_view_images", {"uv": "VEC2"}, fragment, constants, samplers)
+    inputs = {"ao": "VEC4", "bent": "VEC4"}
+    return overlay_shader("multibounce_ao_view", inputs, _fragment("ao_at", "bent_at"), constants)
+
+
+def _fragment(ao: str, bent: str) -> str:
+    return _FRAGMENT.replace("AO,", f"{ao},").replace("BENT;", f"{bent};")
 
 
 _overlay: _Overlay | None = None

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import bpy
 import numpy as np
 from numpy.typing import NDArray
@@ -10,16 +12,30 @@ from numpy.typing import NDArray
 from ..core.panorama import project_picture
 from ..core.spherical_harmonics import rotate
 from .base_color_nodes import mapping_matrix
-from .image_pixels import alpha_use, check_image, linear_pixels
+from .image_pixels import Pixels, alpha_use, check_image, read_pixels
 from .node_origins import UnreadableError, origin_of
 
 # 28 bytes each while they are read. Cycles keeps larger pictures in fewer.
 MOST_PIXELS = 2**25
 
 
-def picture_coefficients(colour: bpy.types.NodeSocket) -> NDArray[np.float64] | None:
-    """Coefficients (9, 3) of what feeds the ``colour`` of a World: an equirectangular picture, which a Mapping node may
-    turn. None where that is something else."""
+@dataclass(frozen=True)
+class PictureLight:
+    """Light of ``pixels`` all around, times ``strength``; what is seen at w is the picture at R w, R being ``turn``."""
+
+    pixels: Pixels
+    turn: NDArray[np.float64]
+    strength: float
+
+    def coefficients(self) -> NDArray[np.float64]:
+        """(9, 3). Needs no Blender."""
+        # The light is turned back.
+        return self.strength * rotate(project_picture(self.pixels.linear()), self.turn.T)
+
+
+def read_picture(colour: bpy.types.NodeSocket, strength: float) -> PictureLight | None:
+    """What feeds the ``colour`` of a World: an equirectangular picture, which a Mapping node may turn. None where that
+    is something else."""
     try:
         node = origin_of(colour, ())[0].node
         if node.bl_idname != "ShaderNodeTexEnvironment" or node.projection != "EQUIRECTANGULAR":
@@ -29,8 +45,7 @@ def picture_coefficients(colour: bpy.types.NodeSocket) -> NDArray[np.float64] | 
         return None
     if turn is None or node.interpolation == "Closest" or image.size[0] * image.size[1] > MOST_PIXELS:
         return None
-    # What is seen at w is the picture at R w, so that the light is turned back.
-    return rotate(project_picture(linear_pixels(image, alpha_use(node))), turn.T)
+    return PictureLight(read_pixels(image, alpha_use(node)), turn, strength)
 
 
 def _turn(vector: bpy.types.NodeSocket) -> NDArray[np.float64] | None:

@@ -8,7 +8,7 @@ The panorama is rendered by Cycles in a scene of its own, from a copy of the Wor
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from contextlib import contextmanager
 from math import pi, radians
 from pathlib import Path
@@ -18,9 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.spherical_harmonics import COUNT, Y0, project_panorama
+from ..core.workers import calling, in_thread
 from ..shader_nodes.cone_light import LARGEST
 from .report import BakeError
-from .world_picture import picture_coefficients
+from .world_picture import PictureLight, read_picture
 
 # Pixels of the panorama, and rays through each: few where they agree, more where they do not. Cycles measures NOISE
 # against the root of a pixel's brightness, so that what is bright is refined most.
@@ -35,24 +36,27 @@ SUN, SUN_OF_HEIGHT = 6.0, 0.25
 _LIGHT_PATH = {"Is Diffuse Ray": 1.0, "Diffuse Depth": 1.0, "Ray Depth": 1.0}
 
 
-def world_coefficients(scene: bpy.types.Scene) -> NDArray[np.float64]:
+def world_coefficients(scene: bpy.types.Scene, strips: int = 1) -> Generator[float, None, NDArray[np.float64]]:
     """Coefficients (9, 3), see :mod:`core.spherical_harmonics`, of the radiance of the World of ``scene``, in its
-    present frame, in world axes and Rec. 709. Raises BakeError."""
+    present frame, in world axes and Rec. 709; yields the fraction done. A panorama is rendered in so many ``strips``,
+    with a yield between: they change nothing of it. Raises BakeError."""
     world = scene.world
     if world is None:
         raise BakeError(
             f"Scene '{scene.name}' has no World: add one in the World properties, with a colour, a sky or an image"
         )
-    coefficients = _simple_coefficients(world)
-    if coefficients is None:
-        coefficients = project_panorama(render_panorama(scene))
+    name, coefficients = world.name, _simple_light(world)
+    if isinstance(coefficients, PictureLight):
+        coefficients = yield from in_thread(calling(coefficients.coefficients))
+    elif coefficients is None:
+        coefficients = project_panorama((yield from render_panorama(scene, strips)))
     if not (np.abs(coefficients) <= LARGEST).all():
-        raise BakeError(f"World '{world.name}' is infinitely bright somewhere: look for what its nodes divide by 0")
+        raise BakeError(f"World '{name}' is infinitely bright somewhere: look for what its nodes divide by 0")
     return coefficients
 
 
-def _simple_coefficients(world: bpy.types.World) -> NDArray[np.float64] | None:
-    """Coefficients (9, 3) of a World of one colour or one picture, None where its nodes say more."""
+def _simple_light(world: bpy.types.World) -> NDArray[np.float64] | PictureLight | None:
+    """Coefficients (9, 3) of a World of one colour, or the one picture that it is; None where its nodes say more."""
     tree = world.node_tree
     if tree is None or not world.use_nodes:
         return _of_colour(world.color)
@@ -66,8 +70,9 @@ def _simple_coefficients(world: bpy.types.World) -> NDArray[np.float64] | None:
     colour, strength = background.inputs["Color"], background.inputs["Strength"]
     if strength.is_linked:
         return None
-    unit = picture_coefficients(colour) if colour.is_linked else _of_colour(colour.default_value)
-    return None if unit is None else strength.default_value * unit
+    if colour.is_linked:
+        return read_picture(colour, strength.default_value)
+    return strength.default_value * _of_colour(colour.default_value)
 
 
 def _of_colour(colour: Sequence[float]) -> NDArray[np.float64]:
@@ -76,31 +81,48 @@ def _of_colour(colour: Sequence[float]) -> NDArray[np.float64]:
     return coefficients
 
 
-def render_panorama(scene: bpy.types.Scene) -> NDArray[np.float64]:
+def render_panorama(scene: bpy.types.Scene, strips: int) -> Generator[float, None, NDArray[np.float64]]:
     """Radiance (HEIGHT, WIDTH, 3) of the World of ``scene``, as :func:`core.spherical_harmonics.equirectangular` has
-    it: what falls on surfaces, not what the camera sees where the World tells the two apart."""
-    with _panorama_scene(scene) as panorama, tempfile.TemporaryDirectory() as folder:
+    it: what falls on surfaces, not what the camera sees where the World tells the two apart. Between ``strips``, each a
+    rendering of its own, nothing is left in the file; yields the fraction done."""
+    world, time = scene.world, (scene.frame_current, scene.frame_subframe)
+    parts = []
+    for strip in range(strips):
+        yield strip / strips
+        parts.append(_render_strip(world, time, strip / strips, (strip + 1) / strips))
+    return np.concatenate(parts).astype(np.float64)
+
+
+def _render_strip(world: bpy.types.World, time: tuple[int, float], low: float, high: float) -> NDArray[np.float32]:
+    """Radiance (h, WIDTH, 3) of ``world`` at that ``time``, frame and subframe, from ``low`` to ``high``, parts of the
+    height."""
+    if bpy.app.is_job_running("RENDER"):
+        raise BakeError("A render is running, and the World is rendered, too: wait for it, or cancel it")
+    with _panorama_scene(world, time) as panorama, tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "world.exr"
-        panorama.render.filepath = str(path)
+        render = panorama.render
+        render.filepath = str(path)
+        render.use_border = render.use_crop_to_border = True
+        render.border_min_y, render.border_max_y = low, high
         bpy.ops.render.render(write_still=True, scene=panorama.name)
         image = bpy.data.images.load(str(path))
         try:
             image.colorspace_settings.name = "Non-Color"
-            pixels = np.empty(WIDTH * HEIGHT * 4, np.float32)
-            image.pixels.foreach_get(pixels)
+            pixels = np.empty((image.size[1], WIDTH, 4), np.float32)
+            image.pixels.foreach_get(pixels.reshape(-1))
         finally:
             bpy.data.images.remove(image)
-    return pixels.reshape(HEIGHT, WIDTH, 4)[..., :3].astype(np.float64)
+    return pixels[..., :3]
 
 
 @contextmanager
-def _panorama_scene(scene: bpy.types.Scene) -> Iterator[bpy.types.Scene]:
-    """A scene with nothing but the World of ``scene`` and a camera that looks all around, +x in the middle."""
+def _panorama_scene(world: bpy.types.World, time: tuple[int, float]) -> Iterator[bpy.types.Scene]:
+    """A scene with nothing but the ``world`` at that ``time`` and a camera that looks all around, +x in the middle."""
     there = {block for blocks in _made() for block in blocks}
     try:
         panorama = bpy.data.scenes.new("World")
-        panorama.frame_set(scene.frame_current, subframe=scene.frame_subframe)
-        panorama.world = _for_surfaces(scene.world)
+        panorama.frame_set(time[0], subframe=time[1])
+        panorama.world = _for_surfaces(world)
         data = bpy.data.cameras.new("World")
         data.type = "PANO"
         settings = data if hasattr(data, "panorama_type") else data.cycles  # Cycles' own before Blender 5.0

@@ -19,7 +19,7 @@ FOLDER = Path(__file__).resolve().parent
 NAMES = (
     *("vertex_bake", "texture_bake", "ray_rate", "error_vs_time", "error_of_random"),
     *("scaling", "memory", "density", "curves", "bounces_cost", "bent_cones", "white_world", "field"),
-    *("kill", "terminator", "texel_error", "memory_8k"),
+    *("kill", "terminator", "texel_error", "memory_8k", "time_left", "preview"),
 )
 # As for the tests: settings of its own, the package from the source tree.
 os.environ["BLENDER_USER_RESOURCES"] = tempfile.mkdtemp(prefix="multibounce_ao-")

@@ -37,6 +37,13 @@ def test_nothing_is_said_too_early(progress):
     assert pace_after(progress, [(1, 0, 0), (3, 0.01, 0)]).left is None  # hardly begun
     assert pace_after(progress, [(1, 0, 0), (1.1, 0.5, 0)]).left is None  # no time to measure
     assert pace_after(progress, [(1, 0, 0), (5, 0.01, 0)]).left == pytest.approx(4 * 99)  # it is going to be long
+    assert pace_after(progress, [(1, 0, 0), (9, progress.STARTED, 0)]).left is None
+
+
+def test_time_counts_from_the_start_of_the_work_itself(progress):
+    """Three seconds of getting ready belong to it, as they come again for every part of it."""
+    pace = pace_after(progress, [(7, 0, 0), (7, progress.STARTED, 0), (10, progress.STARTED, 0), (11, 0.1, 0)])
+    assert pace.left == pytest.approx(9 * 4)
 
 
 @pytest.mark.parametrize(

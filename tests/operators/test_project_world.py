@@ -61,7 +61,7 @@ def test_picture(kind, by, monkeypatch):
         mapping.vector_type = kind
     radiance = operators("world_radiance")
     if by == "panorama":
-        monkeypatch.setattr(radiance, "picture_coefficients", lambda colour: None)
+        monkeypatch.setattr(radiance, "read_picture", lambda colour, strength: None)
     else:
         monkeypatch.setattr(radiance, "render_panorama", None)
     cos, sin = np.cos(0.7), np.sin(0.7)
@@ -98,7 +98,8 @@ def test_other_nodes_take_the_panorama(change, monkeypatch):
         links.new(nodes.new("ShaderNodeTexNoise").outputs["Color"], texture.inputs["Vector"])
     rendered = []
 
-    def panorama(scene):
+    def panorama(scene, strips):
+        yield 0.0
         rendered.append(scene)
         return np.ones((2, 4, 3))
 
@@ -160,6 +161,34 @@ def test_nothing_else_changes(kind):
     assert bpy.context.scene[STORED]["frame"] == 7
 
 
+def in_strips(count):
+    return operators("project_world").projecting(bpy.context.scene, count)
+
+
+def test_strips_are_the_whole(monkeypatch):
+    """In the window the panorama is rendered in several; nothing of them is in the file between or after."""
+    for name, size in (("HEIGHT", 32), ("WIDTH", 64)):
+        monkeypatch.setattr(operators("world_radiance"), name, size)
+    made = world()
+    noise = made.node_tree.nodes.new("ShaderNodeTexNoise")
+    made.node_tree.links.new(noise.outputs["Color"], background(made).inputs["Color"])
+    before = snapshot()
+    work = in_strips(4)
+    fractions = []
+    for step in work:
+        fractions.append(step.fraction)
+        assert not differences(before, snapshot())
+        if len(fractions) == 3:
+            work.close()
+    assert not differences(before, snapshot())
+    assert fractions == [0, 0.25, 0.5]
+    whole = project()
+    del bpy.context.scene[STORED]
+    operators("progress").drive(in_strips(4), lambda step: None)
+    stored = bpy.context.scene[STORED]
+    np.testing.assert_array_equal(np.transpose([list(stored[name]) for name in ("red", "green", "blue")]), whole)
+
+
 def test_again_after_a_change():
     made = world()
     first = project()
@@ -206,4 +235,3 @@ def test_world_without_nodes():
     made.use_nodes = False
     made.color = (0.1, 0.2, 0.3)
     np.testing.assert_allclose(project(), of_plain(0.1, 0.2, 0.3), rtol=1e-6)
-    assert operators("world_radiance").world_coefficients(bpy.context.scene).shape == (9, 3)

@@ -4,7 +4,8 @@
 blender --enable-event-simulate --python director.py -- FOLDER_OF_THE_TESTS FOLDER_FOR_RESULTS
 
 A scene is a generator that yields what it waits for: seconds, or a function that has to become true. What it returns is
-written to results.json under its name, and what it raises too. Blender quits after the last.
+written to results.json under its name, and what it raises too. Blender quits after the last. While one is worked on,
+WINDOW_SCENES="NAME..." plays some alone.
 """
 
 import json
@@ -30,7 +31,10 @@ def play() -> Generator[float | Callable[[], bool], None, None]:
     """All scenes, one after another."""
     results = {}
     measures = MEASURES if os.environ.get("WINDOW_MEASURES") else []
+    chosen = os.environ.get("WINDOW_SCENES", "").split()
     for scene in (*measures, *SCENES):  # the last of those quits
+        if chosen and scene.__name__ not in chosen:
+            continue
         print(f"{time.monotonic():.1f} {scene.__name__}", flush=True)
         try:
             outcome = yield from scene(folder)

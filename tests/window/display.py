@@ -41,13 +41,18 @@ def virtual_display(folder: Path) -> Iterator[dict[str, str]]:
         server.wait()
 
 
-def write_png(path: Path, dump: Path) -> None:
-    """Write the picture that Xvfb kept, copied to ``dump``, as PNG. (xwd's format, see XWDFile.h.)"""
+def picture(dump: Path) -> np.ndarray:
+    """What Xvfb kept, copied to ``dump``: (h, w, 3) uint8, top row first. (xwd's format, see XWDFile.h.)"""
     data = dump.read_bytes()
     header = struct.unpack(">25I", data[:100])
     start, width, height, bytes_per_line, colours = header[0], header[4], header[5], header[12], header[19]
     rows = np.frombuffer(data, np.uint8, height * bytes_per_line, start + 12 * colours).reshape(height, -1)
-    rgb = rows[:, : 4 * width].reshape(height, width, 4)[..., 2::-1]
+    return rows[:, : 4 * width].reshape(height, width, 4)[..., 2::-1]
+
+
+def write_png(path: Path, rgb: np.ndarray) -> None:
+    """Write a :func:`picture` as PNG."""
+    height, width, _ = rgb.shape
     lines = np.insert(rgb.reshape(height, -1), 0, 0, axis=1)  # each begins with its filter: none
     path.write_bytes(
         b"\x89PNG\r\n\x1a\n"
@@ -55,7 +60,6 @@ def write_png(path: Path, dump: Path) -> None:
         + _chunk(b"IDAT", zlib.compress(lines.tobytes(), 6))
         + _chunk(b"IEND", b"")
     )
-    return path
 
 
 def _chunk(kind: bytes, data: bytes) -> bytes:

@@ -37,6 +37,11 @@ def at_work():
     return running() is not None and running().progress.fraction > 0.0
 
 
+def draws(run):
+    """Whether the preview of a bake is still drawn."""
+    return run._overlay._handle is not None
+
+
 def tells():
     """The bake that goes on says how long it will still take."""
     return running() is not None and running().pace.left is not None
@@ -113,7 +118,9 @@ def bake_and_undo(folder):
         bpy.ops.ed.undo_push(message="Before")
     before = snapshot()
     yield from click_first_button()
+    run = running()
     yield lambda: idle() and MARK in monkey
+    drawn = draws(run)
     yield 0.5
     with in_viewport():
         bpy.ops.view3d.view_axis(type="FRONT")
@@ -135,10 +142,70 @@ def bake_and_undo(folder):
         blocking = bpy.ops.multibounce_ao.bake()
     return {
         "points": len(in_window),
+        "drawn": drawn,
         "undone": undone,
         "blocking": list(blocking),
         "same": bool((attribute(bpy.data.objects["Suzanne"]) == in_window).all()),
     }
+
+
+def see_the_bake_while_it_runs(folder):
+    """Vertices, then texels: a sketch that is soon there, gone after Esc; and what the bake is at last."""
+    vertices = yield from sketch_and_bake(folder, "VERTEX")
+    texels = yield from sketch_and_bake(folder, "TEXTURE")
+    return {"VERTEX": vertices, "TEXTURE": texels}
+
+
+def drawn_again(times=3):
+    """Wait until the view was drawn so often, however long that takes."""
+    drawn = []
+    draw = bpy.types.SpaceView3D.draw_handler_add(lambda: drawn.append(None), (), "WINDOW", "POST_PIXEL")
+    while len(drawn) < times:
+        region("WINDOW").tag_redraw()
+        yield 0.05
+    bpy.types.SpaceView3D.draw_handler_remove(draw, "WINDOW")
+    yield 0.3
+
+
+def sketch_and_bake(folder, target):
+    (monkey,) = monkeys()
+    with in_viewport():
+        monkey.modifiers.new("Subdivision", "SUBSURF").levels = 2
+        bpy.ops.object.modifier_apply(modifier="Subdivision")
+        bpy.ops.view3d.view_axis(type="FRONT")
+        bpy.ops.view3d.view_selected()
+        monkey.select_set(False)  # without an outline
+    change_settings(target=target, samples=2**14, resolution=256)
+    move_into_view()
+    yield from drawn_again()
+    photograph(folder / f"sketch_{target}_before.xwd")
+    with in_viewport():
+        monkey.select_set(True)
+        began = time.perf_counter()
+        start()
+        monkey.select_set(False)
+    yield lambda: running()._overlay._drawn
+    seconds = time.perf_counter() - began
+    yield from drawn_again()
+    photograph(folder / f"sketch_{target}.xwd")
+    yield 0.5
+    yield from drawn_again()
+    photograph(folder / f"sketch_{target}_later.xwd")
+    press("ESC")
+    yield idle
+    yield from drawn_again()
+    photograph(folder / f"sketch_{target}_after.xwd")
+    change_settings(samples=64)
+    with in_viewport():
+        monkey.select_set(True)
+        bpy.ops.multibounce_ao.bake()
+        monkey.select_set(False)
+    bpy.context.window_manager.multibounce_ao_view = "AO"
+    yield from drawn_again()
+    photograph(folder / f"sketch_{target}_truth.xwd")
+    bpy.context.window_manager.multibounce_ao_view = "OFF"
+    view = region("WINDOW")
+    return {"seconds": seconds, "view": [view.x, view.y, view.width, view.height]}
 
 
 def undo_while_baking(folder):
@@ -152,10 +219,11 @@ def undo_while_baking(folder):
     change_settings(**FOR_MINUTES)
     start()
     yield at_work
+    run = running()
     move_into_view()
     press("Z", ctrl=True)
     yield idle
-    ended = running() is None
+    ended = running() is None and not draws(run)
     change_settings(target="VERTEX", samples=16, resolution=1024)
     changed = [line for line in differences(before, snapshot()) if ".multibounce_ao." not in line]
     start()
@@ -215,15 +283,16 @@ def close_the_window(folder):
     with bpy.context.temp_override(window=other, area=area, region=area.regions[-1]):
         bpy.ops.multibounce_ao.bake("INVOKE_DEFAULT")
     yield at_work
+    run = running()
     with bpy.context.temp_override(window=other):
         bpy.ops.wm.window_close()
     yield idle
     yield 0.3
-    return {"windows": len(windows)}
+    return {"windows": len(windows), "drawn": draws(run)}
 
 
 def other_long_operators(folder):
-    """An AO field to its end, and bounce curves that are cancelled by the button."""
+    """An AO field to its end, bounce curves that are cancelled by the button, and a World by Esc, then to its end."""
     (monkey,) = monkeys()
     change_settings(target="VERTEX", samples=32, field_resolution=8)
     states = [list(start("bake_field"))]
@@ -233,7 +302,25 @@ def other_long_operators(folder):
     with in_viewport():
         bpy.ops.multibounce_ao.cancel()
     yield idle
-    return {"states": states, "fitted": "multibounce_ao_fit" in window().scene}
+    scene = window().scene
+    world, nodes = scene.world, scene.world.node_tree.nodes
+    color = nodes["Background"].inputs["Color"]
+    world.node_tree.links.new(nodes.new("ShaderNodeTexNoise").outputs["Color"], color)
+    before = snapshot()
+    states.append(list(start("project_world")))
+    yield at_work
+    move_into_view()
+    press("ESC")
+    yield idle
+    changed = differences(before, snapshot())
+    start("project_world")
+    yield idle
+    return {
+        "states": states,
+        "fitted": "multibounce_ao_fit" in scene,
+        "differences": changed,
+        "projected": "multibounce_ao_world" in scene,
+    }
 
 
 def show_another_scene_while_baking(folder):
@@ -262,9 +349,10 @@ def open_a_file_while_baking(folder):
     change_settings(**FOR_MINUTES)
     start()
     yield at_work
+    run = running()
     bpy.ops.wm.read_homefile(use_empty=True)
     yield 0.5
-    return {"running": running() is not None, "objects": len(bpy.data.objects)}
+    return {"running": running() is not None, "drawn": draws(run), "objects": len(bpy.data.objects)}
 
 
 def quit_while_baking(folder):
@@ -279,6 +367,7 @@ def quit_while_baking(folder):
 SCENES = [
     see_progress_and_cancel,
     bake_and_undo,
+    see_the_bake_while_it_runs,
     undo_while_baking,
     delete_while_baking,
     edit_while_baking,

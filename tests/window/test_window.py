@@ -8,9 +8,10 @@ import sys
 from pathlib import Path
 
 import bpy
+import numpy as np
 import pytest
 
-from .display import SIZE, XVFB, virtual_display, write_png
+from .display import SIZE, XVFB, picture, virtual_display, write_png
 
 MEASURED = pytest.mark.skipif(not os.environ.get("WINDOW_MEASURES"), reason="takes minutes: set WINDOW_MEASURES=1")
 HERE = Path(__file__).resolve().parent
@@ -26,7 +27,7 @@ pytestmark = [
 
 @pytest.fixture(scope="module")
 def played(tmp_path_factory):
-    """What the scenes returned by their names, and what Blender printed; it quits by itself."""
+    """What the scenes returned by their names, their photographs, and what Blender printed; it quits by itself."""
     folder = tmp_path_factory.mktemp("window")
     with virtual_display(folder) as environment:
         geometry = [str(number) for number in (0, 0, *SIZE)]
@@ -35,17 +36,18 @@ def played(tmp_path_factory):
         environment["TMPDIR"] = str(folder)
         done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, timeout=600)
     PICTURES.mkdir(parents=True, exist_ok=True)
-    for photograph in sorted(folder.glob("*.xwd")):
-        write_png(PICTURES / f"{photograph.stem}.png", photograph)
+    photographs = {dump.stem: picture(dump) for dump in sorted(folder.glob("*.xwd"))}
+    for name, photograph in photographs.items():
+        write_png(PICTURES / f"{name}.png", photograph)
     print(done.stdout)
     results = folder / "results.json"
-    return json.loads(results.read_text()) if results.exists() else {}, done
+    return json.loads(results.read_text()) if results.exists() else {}, photographs, done
 
 
 @pytest.fixture
 def scene(played, request):
     """What the scene returned that has the name of the test."""
-    results, done = played
+    results, _, done = played
     name = request.function.__name__.removeprefix("test_")
     assert name in results, done.stdout + done.stderr
     assert "error" not in results[name], results[name]["error"]
@@ -66,9 +68,35 @@ def test_see_progress_and_cancel(scene):
 
 def test_bake_and_undo(scene):
     assert scene["points"] == 507
+    assert not scene["drawn"]
     assert scene["blocking"] == ["FINISHED"]
     assert scene["same"]
     assert changed(scene["undone"]) == []
+
+
+def test_see_the_bake_while_it_runs(scene, played):
+    """Under a sketch and later, the viewport is nearly what the view of the AO shows after a bake, and after Esc what
+    it was."""
+    for target, seen in scene.items():
+        print(target, "seconds from the button to the sketch:", seen["seconds"])
+        x, y, width, height = seen["view"]
+
+        def view(name, box=(x, y, width, height), target=target):
+            x, y, width, height = box
+            shown = played[1][f"sketch_{target}{name}"].astype(float)
+            return shown[SIZE[1] - y - height : SIZE[1] - y, x : x + width]
+
+        before, truth = view("_before"), view("_truth")
+        baked = np.abs(truth - before).max(axis=2) > 8
+        assert 0.05 < baked.mean() < 0.9
+        assert 0 < error(view(""), truth, baked) < 0.5 * error(before, truth, baked)
+        assert error(view("_later"), truth, baked) < 0.3 * error(before, truth, baked)
+        assert error(view("_after"), before, baked) < 0.02 * error(before, truth, baked)  # but for antialiasing
+
+
+def error(shown, truth, where):
+    """Rms difference between two pictures, 0 to 255."""
+    return float(np.sqrt(np.square(shown - truth)[where].mean()))
 
 
 def test_undo_while_baking(scene):
@@ -88,11 +116,14 @@ def test_edit_while_baking(scene):
 
 
 def test_close_the_window(scene):
-    assert scene["windows"] == 1
+    assert scene == {"windows": 1, "drawn": False}
 
 
 def test_other_long_operators(scene):
-    assert scene == {"states": [["RUNNING_MODAL"]] * 2, "fitted": False}
+    assert scene["states"] == [["RUNNING_MODAL"]] * 3
+    assert not scene["fitted"]
+    assert changed(scene["differences"]) == []
+    assert scene["projected"]
 
 
 def test_show_another_scene_while_baking(scene):
@@ -100,12 +131,12 @@ def test_show_another_scene_while_baking(scene):
 
 
 def test_open_a_file_while_baking(scene):
-    assert scene == {"running": False, "objects": 0}
+    assert scene == {"running": False, "drawn": False, "objects": 0}
 
 
 def test_quit_while_baking(scene, played):
     assert scene == {}
-    assert played[1].returncode == 0, played[1].stdout + played[1].stderr
+    assert played[2].returncode == 0, played[2].stdout + played[2].stderr
 
 
 @MEASURED
