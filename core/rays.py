@@ -285,18 +285,17 @@ class Occluders:
 
 def _parts(
     vertices: NDArray[np.float32], triangles: NDArray[np.int32]
-) -> Iterator[tuple[NDArray[np.float32], NDArray[np.int32]]]:
-    """Meshes of TRIANGLES_PER_MESH, each with the vertices that it needs."""
-    if len(triangles) <= TRIANGLES_PER_MESH:
-        yield vertices, triangles
-        return
+) -> Iterator[tuple[NDArray[np.float64], NDArray[np.object_]]]:
+    """Meshes of TRIANGLES_PER_MESH, each with the vertices that it needs. embreex takes number after number out of
+    them, from tuples and doubles sooner than from rows and single precision."""
     for part in slices(len(triangles), TRIANGLES_PER_MESH):
         first = triangles[part].min()
         local = triangles[part] - first
         used = np.zeros(local.max() + 1, bool)
         used[local] = True
         number = np.cumsum(used, dtype=np.int32) - 1
-        yield vertices[first : first + len(used)][used], number[local]
+        corners = number[local].view("i4,i4,i4").reshape(-1)
+        yield vertices[first : first + len(used)][used].astype(np.float64), corners.astype(object)
 
 
 def _triangle_numbers(found: dict[str, NDArray]) -> NDArray[np.int32]:
