@@ -20,6 +20,8 @@ from .uv_checks import uv_check
 
 # More of them would push the settings out of sight.
 MOST_WARNINGS = 4
+# With fewer vertices, as a floor of one face has, hardly a shadow falls on one.
+FEW_VERTICES = 16
 
 
 @dataclass
@@ -58,6 +60,7 @@ def forecast(
         return Forecast(warnings=[str(error)])
     objects = objects if sources is None else list(sources)
     told, work, seen, overrides = Forecast(len(objects)), 0, set(), Overrides(bpy.context.view_layer)
+    coarse = []
     for obj in objects:
         chosen = overrides.settings_for(obj, settings)
         told.own += chosen != settings
@@ -71,6 +74,14 @@ def forecast(
         told.warnings += [f"'{obj.name}' {warning}" for warning in warnings]
         if chosen.target == "VERTEX":
             seen.add(obj.data)
+            if 0 < len(obj.data.vertices) < FEW_VERTICES:
+                coarse.append(obj.name)
+    if coarse:
+        others = f" and {len(coarse) - 1} more have" if len(coarse) > 1 else " has"
+        told.warnings.append(
+            f"'{coarse[0]}'{others} few vertices, and shadows between them are lost: "
+            "subdivide, or set Target to Texture"
+        )
     rate = _rates().get(settings.bounces)
     told.seconds = work / rate if rate else None
     return told

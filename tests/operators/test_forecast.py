@@ -42,7 +42,16 @@ def test_points_and_rays_are_those_of_the_bake(bounces):
     assert told.points == sum(report.points for report in done)
     assert told.rays == sum(report.rays for report in done)
     assert told.text() == "2 objects, 49 points, 784 rays"
-    assert told.warnings == []
+
+
+def test_few_vertices_are_told_of_in_one_line():
+    dense, floor, boxes = plate("Dense"), plate("Floor", steps=1), [box("Box"), box("Box 2")]
+    assert forecast(dense).warnings == []
+    lost = "few vertices, and shadows between them are lost: subdivide, or set Target to Texture"
+    assert forecast(floor).warnings == [f"'Floor' has {lost}"]
+    assert forecast(floor, dense, *boxes).warnings == [f"'Floor' and 2 more have {lost}"]
+    change_settings(target="TEXTURE")
+    assert not any(lost in warning for warning in forecast(floor).warnings)
 
 
 def test_texels_are_known_when_the_layout_was_looked_at():
