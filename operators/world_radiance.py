@@ -58,7 +58,7 @@ def world_coefficients(scene: bpy.types.Scene, strips: int = 1) -> Generator[flo
 def _simple_light(world: bpy.types.World) -> NDArray[np.float64] | PictureLight | None:
     """Coefficients (9, 3) of a World of one colour, or the one picture that it is; None where its nodes say more."""
     tree = world.node_tree
-    if tree is None or not world.use_nodes:
+    if tree is None or not (bpy.app.version >= (5, 0, 0) or world.use_nodes):
         return _of_colour(world.color)
     output = tree.get_output_node("CYCLES")
     links = output.inputs["Surface"].links if output is not None else ()
