@@ -24,8 +24,8 @@ _IMAGE_LIGHT = "void main() { fragColor = vec4(texture(image, uv_at).rgb, 1.0); 
 
 
 class PreviewOverlay:
-    """What is drawn of a ``preview``, from now until :meth:`remove`. Objects whose mesh is changed meanwhile, or that
-    are in Edit Mode, are shown as they are."""
+    """What is drawn of a ``preview``, from now until :meth:`remove`. Objects whose mesh is changed meanwhile, that are
+    in Edit Mode, or that viewports show as bounds or wires, are shown as they are."""
 
     def __init__(self, preview: Preview):
         self._preview = preview
@@ -64,7 +64,9 @@ class PreviewOverlay:
         gpu.state.depth_mask_set(True)
         for obj in bpy.context.visible_objects:
             drawn = self._drawn.get(pictures.get(obj.session_uid))
-            if drawn is not None and obj.session_uid not in self._changed and obj.mode != "EDIT":
+            if drawn is None or obj.session_uid in self._changed:
+                continue
+            if obj.mode != "EDIT" and obj.display_type not in ("BOUNDS", "WIRE"):
                 shader = self._shader(type(drawn))
                 shader.bind()
                 with placed(shader, obj.matrix_world):
