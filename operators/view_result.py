@@ -24,7 +24,8 @@ VIEWS = (
         "Bounces",
         "Show the light that later bounces add where the base color is 0.8, or the colors of a Radiosity bake",
     ),
-    ("BENT", "Bent Normal", "Show the mean direction of the visible sky as the colors of an object-space normal map"),
+    # The button is too narrow for "Bent Normal".
+    ("BENT", "Normal", "Show the bent normal, the mean direction of the visible sky, as an object-space normal map"),
 )
 # Of white walls.
 ALBEDO = 0.8
