@@ -21,7 +21,7 @@ class MultibounceAOSettings(OverridableSettings, bpy.types.PropertyGroup):
         name="Bounces",
         description="How the light that comes from other surfaces is found",
         items=(
-            ("FITTED", "Fitted", "By the published fit, from ambient occlusion alone"),
+            ("FITTED", "Fitted", "By Patapom's published fit, from ambient occlusion alone"),
             ("BAKED", "Baked", "Measured at each point: light that bounces off all occluders"),
             ("RADIOSITY", "Radiosity", "As Baked, in the base colors that the occluders have now: colors bleed"),
         ),
