@@ -34,7 +34,7 @@ class MULTIBOUNCE_AO_PT_fit(SidebarPanel, bpy.types.Panel):
         lines = (
             ("Fit of", fit["source"]),
             ("Coefficients", f"{fit['a']:.4g}, {fit['b']:.4g}"),
-            ("AO Error", f"{fit['f0_rms']:.4f} (RMS)"),
-            ("First Bounce Error", f"{fit['f1_rms']:.4f} (RMS)"),
+            ("AO", f"RMS error {fit['f0_rms']:.4f}"),
+            ("First Bounce", f"RMS error {fit['f1_rms']:.4f}"),
         )
         self._table(layout, lines)
