@@ -51,7 +51,7 @@ def _material(name: str, colour, shade: str) -> bpy.types.Material:
     nodes, links = material.node_tree.nodes, material.node_tree.links
     principled = next(node for node in nodes if node.type == "BSDF_PRINCIPLED")
     plain = nodes.new("ShaderNodeRGB")
-    plain.name = "Plain Colour"
+    plain.name = "Plain Color"
     plain.outputs[0].default_value = colour
     factors = []
     if OWN_AO in shade:

@@ -84,7 +84,7 @@ def _show(what: str) -> None:
             colour = next(socket for socket in mix.inputs if socket.identifier == "A_Color").links[0].from_socket
         kind, name = ("ShaderNodeBsdfDiffuse", "BSDF") if what == "rays" else ("ShaderNodeEmission", "Emission")
         shader = next((node for node in nodes if node.bl_idname == kind), None) or nodes.new(kind)
-        links.new(nodes["Plain Colour"].outputs[0] if what == "rays" else colour, shader.inputs["Color"])
+        links.new(nodes["Plain Color"].outputs[0] if what == "rays" else colour, shader.inputs["Color"])
         links.new(shader.outputs[name], surface)
 
 

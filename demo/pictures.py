@@ -87,7 +87,7 @@ def save_all(
     renders = {"before": flat, "ao_only": grey, "after": bounced, "path_traced": reference}
     titles = {
         "before": "Flat ambient",
-        "ao_only": "Grey AO",
+        "ao_only": "Gray AO",
         "after": "Multibounce AO",
         "path_traced": "Path traced",
     }

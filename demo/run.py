@@ -60,7 +60,7 @@ def run(update_docs: bool) -> None:
     (OUT / "report.json").write_text(json.dumps(report, indent=2))
 
     ruin.prop.hide_render = True
-    say("rendering flat ambient, grey AO and multibounce AO")
+    say("rendering flat ambient, gray AO and multibounce AO")
     flat, grey, bounced = renders.ambient()
     say("rendering the urn, without its AO field and with it")
     without_field, with_field = renders.field(ruin.prop)

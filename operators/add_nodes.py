@@ -41,7 +41,7 @@ class MULTIBOUNCE_AO_OT_add_nodes(bpy.types.Operator):
 
 
 class MULTIBOUNCE_AO_OT_add_curve_nodes(bpy.types.Operator):
-    """Plug the curve that needs no more than an AO map into the active material: the baked one, or your own"""
+    """Plug a node group into the active material that finds the bounces from any AO map, baked here or elsewhere"""
 
     bl_idname = "multibounce_ao.add_curve_nodes"
     bl_label = "Add Curve Nodes"

@@ -189,7 +189,7 @@ def _attribute(
     else:
         raise UnreadableError(f"the attribute '{attribute.name}' of edges", "convert it to face corners")
     if attribute.data_type not in _VALUES:
-        raise UnreadableError(f"the attribute '{attribute.name}' that is no colour", "convert it to a colour attribute")
+        raise UnreadableError(f"the attribute '{attribute.name}' that is no color", "convert it to a color attribute")
     name, width = _VALUES[attribute.data_type]
     return read(attribute.data, name, width, np.float32)[:, :3][index]
 

@@ -94,8 +94,8 @@ def read_base_color(material: bpy.types.Material | None) -> tuple[BaseColor, str
 
 def unreadable_warning(material: bpy.types.Material, unreadable: UnreadableError) -> str:
     return (
-        f"Material '{material.name}' has its base colour from {unreadable}, which cannot be read: "
-        f"its viewport colour was taken; {unreadable.remedy}"
+        f"Material '{material.name}' has its base color from {unreadable}, which cannot be read: "
+        f"its viewport color was taken; {unreadable.remedy}"
     )
 
 
@@ -114,7 +114,7 @@ def _surface_colour(material: bpy.types.Material, tree: bpy.types.ShaderNodeTree
             except UnreadableError as unreadable:
                 warning = (
                     f"Material '{material.name}' has its Metallic from {unreadable}, which is not read: it counts as 0;"
-                    f" where it is a metal, set it to a number or darken the base colour"
+                    f" where it is a metal, set it to a number or darken the base color"
                 )
         return colour, warning
     if others and all(node.bl_idname in _NOT_DIFFUSE for node in others):

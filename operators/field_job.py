@@ -24,8 +24,8 @@ from ..shader_nodes.ao_field import field_numbers
 from .field_outputs import name_images, store_images, write_field
 from .field_record import proportions_of, record_field
 from .images import output_folder
-from .mesh_reader import linear_inverse
-from .object_checks import check_object
+from .mesh_reader import evaluated_mesh, linear_inverse
+from .object_checks import check_evaluated, check_object
 from .occluder_reader import read_occluders
 from .overrides import Overrides
 from .progress import Progress
@@ -150,7 +150,8 @@ def _read(
     """Triangles of ``obj`` and of the instances it makes, in its own space times its proportions, and these."""
     check_object(obj, context.view_layer)
     depsgraph = context.evaluated_depsgraph_get()
-    matrix = np.array(obj.evaluated_get(depsgraph).matrix_world, np.float64)
+    evaluated = obj.evaluated_get(depsgraph)
+    matrix = np.array(evaluated.matrix_world, np.float64)
     if not np.isfinite(matrix).all():
         raise BakeError("has a transform that is not finite: reset its location, rotation and scale")
     inverse = linear_inverse(matrix)
@@ -163,6 +164,8 @@ def _read(
     vertices, triangles, found = read_occluders(depsgraph, {obj})
     warnings += found
     if not len(triangles):
+        with evaluated_mesh(evaluated) as mesh:
+            check_evaluated(mesh, matrix)
         raise BakeError("has no faces left after its modifiers: change or turn off the one that removes them")
     return ((vertices - matrix[:3, 3]) @ inverse.T) * proportions, triangles, proportions
 

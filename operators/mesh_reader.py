@@ -134,7 +134,7 @@ def linear_inverse(matrix: NDArray) -> NDArray[np.float64]:
     # The volume of the transformed unit cube, against that of the box with the same edges: 0 where one vanishes or
     # lies in the plane of the others, whatever the unit.
     if not abs(np.linalg.det(linear)) > 1e-6 * np.prod(np.linalg.norm(linear, axis=0)):
-        raise BakeError("has a scale of zero: set its scale, or apply it")
+        raise BakeError("has a scale of zero: set its scale")
     return np.linalg.inv(linear)
 
 

@@ -16,7 +16,7 @@ Groups = tuple[bpy.types.Node, ...]  # the group nodes that a socket lies within
 class UnreadableError(Exception):
     """A base colour that only a renderer finds. The message says where it comes from; ``remedy``, what to do."""
 
-    def __init__(self, origin: str, remedy: str = "bake the colour to an image or a colour attribute"):
+    def __init__(self, origin: str, remedy: str = "bake the color to an image or a color attribute"):
         super().__init__(origin)
         self.remedy = remedy
 
@@ -32,7 +32,7 @@ def origin_of(socket: bpy.types.NodeSocket, groups: Groups) -> tuple[bpy.types.N
         if node.mute:
             inside = next((inside for inside in node.internal_links if inside.to_socket == output), None)
             if inside is None:
-                raise UnreadableError(f"the muted node '{node.name}'", "connect the base colour itself")
+                raise UnreadableError(f"the muted node '{node.name}'", "connect the base color itself")
             socket = inside.from_socket
         elif node.bl_idname == "NodeReroute":
             socket = node.inputs[0]

@@ -17,7 +17,7 @@ class OverridableSettings:
         name="Target",
         description="Where the result is stored",
         items=(
-            ("VERTEX", "Vertices", "Colour attributes on the mesh"),
+            ("VERTEX", "Vertices", "Color attributes on the mesh"),
             ("TEXTURE", "Texture", "Images, through a UV map"),
         ),
         default="VERTEX",
@@ -161,7 +161,7 @@ class OverridableSettings:
         name="Volume",
         description=(
             "Also measure 16 x 16 x 16 places within the object's convex hull, for what stands under, in or between "
-            "its parts. The node group grows by half"
+            "its parts. Its node group has half as many nodes again"
         ),
         default=False,
         override=IN_LIBRARY_OVERRIDES,

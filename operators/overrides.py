@@ -22,33 +22,41 @@ SWITCH = "override_"
 Settings = TypeVar("Settings")
 
 
-def _switch(name: str):
+def _switch(name: str, description: str):
     return BoolProperty(
         name=f"Override {name}",
-        description=f"Bake with this {name} here, whatever the scene says",
+        description=f"{description}, in place of the scene's setting",
         default=False,
         override=IN_LIBRARY_OVERRIDES,
     )
 
 
 class MultibounceAOOverrides(OverridableSettings, bpy.types.PropertyGroup):
-    override_target: _switch("Target")
-    override_samples: _switch("Samples")
-    override_use_material_nodes: _switch("Material Nodes")
-    override_occluders: _switch("Occluders")
-    override_ignore_backfaces: _switch("Ignore Backfaces")
-    override_max_distance: _switch("Max Distance")
-    override_falloff: _switch("Falloff")
-    override_resolution: _switch("Resolution")
-    override_margin: _switch("Margin")
-    override_margin_type: _switch("Margin Type")
-    override_uv_map: _switch("UV Map")
-    override_use_udim: _switch("UDIM Tiles")
-    override_cage_object: _switch("Cage Object")
-    override_cage_extrusion: _switch("Cage Extrusion")
-    override_max_ray_distance: _switch("Max Ray Distance")
-    override_field_resolution: _switch("Field Resolution")
-    override_use_field_volume: _switch("Field Volume")
+    override_target: _switch("Target", "Choose here where the result is stored")
+    override_samples: _switch("Samples", "Trace this many rays from each point here")
+    override_use_material_nodes: _switch(
+        "Material Nodes", "Choose here whether the result is plugged into the materials"
+    )
+    override_occluders: _switch("Occluders", "Choose here which objects block rays")
+    override_ignore_backfaces: _switch(
+        "Ignore Backfaces", "Choose here whether rays pass through faces that they hit from behind"
+    )
+    override_max_distance: _switch("Max Distance", "Let surfaces occlude up to this distance here")
+    override_falloff: _switch("Falloff", "Let occlusion fade with distance in this way here")
+    override_resolution: _switch("Resolution", "Bake images of this width and height here")
+    override_margin: _switch("Margin", "Extend the result this far past the edges of UV islands here")
+    override_margin_type: _switch("Margin Type", "Extend the result past the edges of UV islands in this way here")
+    override_uv_map: _switch("UV Map", "Bake into this UV map here")
+    override_use_udim: _switch(
+        "UDIM Tiles", "Choose here whether every UDIM tile is baked that the UV map reaches into"
+    )
+    override_cage_object: _switch("Cage Object", "Bake with this cage object here")
+    override_cage_extrusion: _switch("Cage Extrusion", "Inflate the cage by this distance here")
+    override_max_ray_distance: _switch("Max Ray Distance", "Match points up to this distance here")
+    override_field_resolution: _switch("Field Resolution", "Bake AO fields of this resolution here")
+    override_use_field_volume: _switch(
+        "Field Volume", "Choose here whether AO fields also measure the inside of the convex hull"
+    )
 
 
 def overridden(owner: bpy.types.Object | bpy.types.Collection) -> dict[str, object]:

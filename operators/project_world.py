@@ -65,7 +65,7 @@ class MULTIBOUNCE_AO_OT_clear_world(bpy.types.Operator):
 
 
 class MULTIBOUNCE_AO_OT_add_world_light(bpy.types.Operator):
-    """Let the multibounce nodes of the active material take the World's light from where the sky is seen"""
+    """Light the active material by the projected World, from the directions in which each point sees the sky"""
 
     bl_idname = "multibounce_ao.add_world_light"
     bl_label = "Add World Light"

@@ -62,7 +62,7 @@ class ObjectReport:
             remedy = ". Raise Cage Extrusion, or Max Ray Distance if that is set" if projected else ""
             self.warnings.append(
                 f"{count_text(lost)} of {count_text(self.points)} {what} {how}: they have the values of their "
-                f"neighbours{remedy}"
+                f"neighbors{remedy}"
             )
 
     def as_dict(self) -> dict:

@@ -21,15 +21,15 @@ class MultibounceAOSettings(OverridableSettings, bpy.types.PropertyGroup):
         name="Bounces",
         description="How the light that comes from other surfaces is found",
         items=(
-            ("FITTED", "Fitted", "By the published fit, from ambient occlusion alone"),
+            ("FITTED", "Fitted", "By Patapom's published fit, from ambient occlusion alone"),
             ("BAKED", "Baked", "Measured at each point: light that bounces off all occluders"),
-            ("RADIOSITY", "Radiosity", "As Baked, in the base colours that the occluders have now: colours bleed"),
+            ("RADIOSITY", "Radiosity", "As Baked, in the base colors that the occluders have now: colors bleed"),
         ),
         default="BAKED",
     )
     seed: IntProperty(
         name="Seed",
-        description="Pattern of the noise. The same seed gives the same result",
+        description="Seed of the random directions of rays. Change it for another pattern of noise",
         default=0,
         min=0,
     )
@@ -55,8 +55,8 @@ class MultibounceAOSettings(OverridableSettings, bpy.types.PropertyGroup):
         default="TANGENT",
     )
     bent_normal_y: EnumProperty(
-        name="Y",
-        description="Which way green points in the bent normal map",
+        name="Swizzle G",
+        description="Axis of the green channel of the bent normal map",
         items=(
             ("POS_Y", "+Y (OpenGL)", "Up the image, as in Blender, glTF, Unity and Godot"),
             ("NEG_Y", "-Y (DirectX)", "Down the image, as in Unreal Engine"),
@@ -68,7 +68,7 @@ class MultibounceAOSettings(OverridableSettings, bpy.types.PropertyGroup):
         description="Bits of each channel of the OpenEXR files. Packed images have full floats",
         items=(
             ("16", "Float (Half)", "16-bit floats: half the size, off by at most .00025"),
-            ("32", "Float (Full)", "32-bit floats: the very numbers"),
+            ("32", "Float (Full)", "32-bit floats: without rounding"),
         ),
         default="32",
     )
@@ -86,13 +86,13 @@ class MultibounceAOSettings(OverridableSettings, bpy.types.PropertyGroup):
     )
     use_ao_map: BoolProperty(
         name="AO Map",
-        description="Write a grey map of ambient occlusion too, for other programs",
+        description="Write a grayscale map of ambient occlusion too, for other programs",
         default=False,
     )
     use_colored_ao_map: BoolProperty(
         name="Colored AO Map",
-        description="Write the light of all bounces too, in the base colour that the material has now. Other programs "
-        "multiply the base colour by it",
+        description="Write the light of all bounces too, in the base color that the material has now. Other programs "
+        "multiply the base color by it",
         default=False,
     )
     map_format: EnumProperty(

@@ -109,7 +109,7 @@ def bake_texture(
         raise BakeError(f"touches no texel in UV map '{uv_map}': pack its islands (UV > Pack Islands)")
     if overlaps(triangle_uv, report.points, settings.resolution, settings.use_udim):
         report.warnings.append(
-            f"UV map '{uv_map}' overlaps itself: where faces share texels, one of them decides their colour"
+            f"UV map '{uv_map}' overlaps itself: where faces share texels, one of them decides their color"
         )
     report.tell_f0(np.concatenate(f0), "texels", projection is not None)
     return TextureResult(obj, uv_map, folder, settings, tiles)

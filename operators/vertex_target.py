@@ -242,7 +242,7 @@ def check_attribute_names(obj: bpy.types.Object, bounces: str) -> None:
     for name in CHANNELS[bounces]:
         attribute = obj.data.attributes.get(name)
         if name in obj.vertex_groups or (attribute and attribute.data_type not in {"FLOAT_COLOR", "BYTE_COLOR"}):
-            raise BakeError(f"has a UV map, vertex group or attribute '{name}' that is no colour: rename it")
+            raise BakeError(f"has a UV map, vertex group or attribute '{name}' that is no color: rename it")
 
 
 def write_attribute(mesh: bpy.types.Mesh, name: str, domain: str, values: NDArray[np.float32]) -> None:

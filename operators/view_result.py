@@ -18,13 +18,14 @@ from .viewports import redraw_viewports
 
 VIEWS = (
     ("OFF", "Off", "Show the viewport as it is"),
-    ("AO", "AO", "Show F0, the ambient occlusion, of all visible objects that are baked"),
+    ("AO", "AO", "Show the ambient occlusion of all visible objects that are baked"),
     (
         "BOUNCES",
         "Bounces",
-        "Show what light of later bounces adds, at an albedo of 0.8, or in a radiosity bake its colours",
+        "Show the light that later bounces add where the base color is 0.8, or the colors of a Radiosity bake",
     ),
-    ("BENT", "Bent", "Show the mean direction of the visible sky, in object space, as colours"),
+    # The button is too narrow for "Bent Normal".
+    ("BENT", "Normal", "Show the bent normal, the mean direction of the visible sky, as an object-space normal map"),
 )
 # Of white walls.
 ALBEDO = 0.8

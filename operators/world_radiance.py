@@ -43,7 +43,7 @@ def world_coefficients(scene: bpy.types.Scene, strips: int = 1) -> Generator[flo
     world = scene.world
     if world is None:
         raise BakeError(
-            f"Scene '{scene.name}' has no World: add one in the World properties, with a colour, a sky or an image"
+            f"Scene '{scene.name}' has no World: add one in the World properties, with a color, a sky or an image"
         )
     name, coefficients = world.name, _simple_light(world)
     if isinstance(coefficients, PictureLight):

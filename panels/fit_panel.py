@@ -33,8 +33,8 @@ class MULTIBOUNCE_AO_PT_fit(SidebarPanel, bpy.types.Panel):
     def _fit(self, layout: bpy.types.UILayout, fit) -> None:
         lines = (
             ("Fit of", fit["source"]),
-            ("A, B", f"{fit['a']:.4g}, {fit['b']:.4g}"),
-            ("F1 residual", f"{fit['f1_rms']:.4f} rms"),
-            ("F0 residual", f"{fit['f0_rms']:.4f} rms"),
+            ("Coefficients", f"{fit['a']:.4g}, {fit['b']:.4g}"),
+            ("AO", f"RMS error {fit['f0_rms']:.4f}"),
+            ("First Bounce", f"RMS error {fit['f1_rms']:.4f}"),
         )
         self._table(layout, lines)

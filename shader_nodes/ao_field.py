@@ -192,7 +192,7 @@ def _build(tree: bpy.types.ShaderNodeTree, has_volume: bool) -> None:
 
 def _place(graph: Graph) -> tuple[Expression, Expression]:
     """x, from the field's centre, and n, both in the field's space."""
-    with graph.frame("x: the place in the object's space, from the field's centre"):
+    with graph.frame("x: the place in the object's space, from the field's center"):
         place = graph.node("ShaderNodeTexCoord", "")
         place.name = "Place"
         position = Expression(graph, place.outputs["Object"], "place")
@@ -250,7 +250,7 @@ def _radial(graph: Graph, name: str, coefficients: Expression, r: Expression, ro
 
 def _within_volume(graph: Graph, x: Expression, n: Expression) -> Expression:
     """A by the volume, at ``x`` for the normal ``n``."""
-    with graph.frame("the volume's box, from the field's centre"):
+    with graph.frame("the volume's box, from the field's center"):
         low, size = _constant(graph, "Volume Low", -1.0), _constant(graph, "Volume Size", 2.0)
     moment, solid_angle = field_volume.look_up(graph, x, low, size)
     with graph.frame("Upsilon there is M's direction"):

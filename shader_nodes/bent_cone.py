@@ -33,7 +33,7 @@ _INPUTS = (
     Socket(
         "Bent Cone",
         "NodeSocketVector",
-        "Mean visible direction in object space, not normalised (RGB of the bake)",
+        "Mean visible direction in object space, not normalized (RGB of the bake)",
         default_value=(0.0, 0.0, 0.0),
     ),
     Socket(

@@ -9,7 +9,7 @@ from .group import Socket
 BASE_COLOR = Socket(
     "Base Color",
     "NodeSocketColor",
-    "Colour of the surface, taken as that of its neighbours too: the albedo of every bounce",
+    "Color of the surface, taken as that of its neighbors too: the albedo of every bounce",
     default_value=(0.8, 0.8, 0.8, 1.0),
 )
 IRRADIANCE = Socket(

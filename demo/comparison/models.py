@@ -23,7 +23,7 @@ MODELS = (
     Model("Published", "Published fit", "alpha, the uniform visibility"),
     Model("Curve", "Surface curve", "k_A, and one number for the whole scene"),
     Model("Baked", "Baked channels", "F0, F1, F2 and T, measured"),
-    Model("Radiosity", "Radiosity", "E/E0 in RGB, measured in the colours that all has at the bake"),
+    Model("Radiosity", "Radiosity", "E/E0 in RGB, measured in the colors that all has at the bake"),
 )
 
 

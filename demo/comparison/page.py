@@ -19,7 +19,7 @@ Written by `make compare ARGS=--update-docs`; every figure is from that run.
 Two scenes under a white sky, without a sun: the ruin of `make demo`, and a deep box that is open to the front. Cycles
 path traces them with {bounces} bounces and {samples} samples a pixel, diffuse surfaces, nothing clamped or denoised.
 The same scenes are baked with {rays} rays a point, to vertices and to textures of {size} x {size}. Node groups turn the
-bake into E/E0, the light of all bounces as a part of the unoccluded light. Base colour times E/E0 is the shade that is
+bake into E/E0, the light of all bounces as a part of the unoccluded light. Base color times E/E0 is the shade that is
 compared: same camera, same pixel filter, {model_samples} samples a pixel.
 
 | model | what it knows of a point |
@@ -28,7 +28,7 @@ compared: same camera, same pixel filter, {model_samples} samples a pixel.
 
 Differences are of linear RGB from the path-traced picture, over all pixels that surfaces cover wholly; 1 is a white
 surface under the open sky. *Noise* is what the path tracing itself is off on average, from two halves of its samples.
-In the pictures the lower row is the difference, {enlarged} times enlarged: the middle grey is none, lighter is too
+In the pictures the lower row is the difference, {enlarged} times enlarged: the middle gray is none, lighter is too
 bright, and a tint is a tint that is too much.
 """
 
@@ -51,16 +51,16 @@ texels. The heaps of rubble beside the first are instances, which show the first
 """
 
 COLOUR_PART = """\
-## Their own colours
+## Their own colors
 
 {pictures}
 
 {table}
 
-Now neighbours have other colours than the point itself. All models but radiosity take the neighbours' albedo for the
-point's own: white stone beside the red wall gets no red, and the saturated walls get back only their own colour, which
-is too saturated and, for light colours, too bright. Radiosity has the colours of all that it sees, and stays as near as
-in grey. It costs the freedom to change a base colour after the bake.
+Now neighbors have other colors than the point itself. All models but radiosity take the neighbors' albedo for the
+point's own: white stone beside the red wall gets no red, and the saturated walls get back only their own color, which
+is too saturated and, for light colors, too bright. Radiosity has the colors of all that it sees, and stays as near as
+in gray. It costs the freedom to change a base color after the bake.
 """
 
 CURVES_PART = """\
@@ -77,9 +77,9 @@ rms error of E/E0 against 40 simulated bounces, over eight height maps and seven
 CHOICE_PART = """\
 ## Which one to take
 
-- **Baked channels** (`bounces = 'BAKED'`, the default): right in every place, for any base colour that is about its
-  neighbours' own. The colour may change after the bake, as in a game.
-- **Radiosity** (`'RADIOSITY'`): right where colours bleed too. For what keeps its colours: still pictures, light baked
+- **Baked channels** (`bounces = 'BAKED'`, the default): right in every place, for any base color that is about its
+  neighbors' own. The color may change after the bake, as in a game.
+- **Radiosity** (`'RADIOSITY'`): right where colors bleed too. For what keeps its colors: still pictures, light baked
   for good. It is what the others are judged by without a path tracer.
 - **Surface curve** (`core.multibounce.surface_curve`): where all there is is an AO map of k_A, such as another
   program's. It needs the mean of the same map, and no bake of ours.

@@ -54,7 +54,7 @@ def save_strip(comparison: Comparison, folder: Path) -> Path:
     x = len(MODELS) * (width + GAP) + 3
     lines += [("Path traced", x, 20, 18), (f"its noise {comparison.noise:.4f}", x, 38, 14)]
     below = HEADER + height + GAP + 34
-    notes = ("Below each: its difference", f"from this, {ENLARGED} times enlarged.", "Grey: none. Lighter: too bright.")
+    notes = ("Below each: its difference", f"from this, {ENLARGED} times enlarged.", "Gray: none. Lighter: too bright.")
     lines += [(note, x + 6, below + 22 * i, 15) for i, note in enumerate(notes)]
     text = render_text(lines, strip.shape[1], strip.shape[0])[..., None]
     path = folder / f"bounces_{comparison.name}.jpg"

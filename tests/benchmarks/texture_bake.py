@@ -2,7 +2,7 @@
 """Texture bakes of 1024 x 1024 at 64 samples, against Cycles' AO bake to a float image.
 
 Smart UV Project makes the layout, margins are equal. Embree alone, on rays that lie ready, is as fast as a bake could
-ever be. rms errors are of random texels whose centre is covered, against the mean of k_A over their area
+ever be. rms errors are of random texels whose center is covered, against the mean of k_A over their area
 (texel_truth.py).
 """
 

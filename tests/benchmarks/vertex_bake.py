@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Vertex bakes at 64 samples, against Cycles' AO bake to vertex colours.
+"""Vertex bakes at 64 samples, against Cycles' AO bake to vertex colors.
 
 Both are timed as operators, from the call to the stored attribute. Cycles traces every face corner, so it does several
 times the work: that is what an artist would wait for. Embree alone, on rays that lie ready, is as fast as a bake could

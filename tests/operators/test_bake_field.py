@@ -265,20 +265,31 @@ def emptied():
     return obj
 
 
-def far_away_in_itself():
+def not_finite():
     return add_mesh("Bad", [(0, 0, float("nan")), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
 
 
 @pytest.mark.parametrize(
-    "make", [flat_to_a_point, without_faces, of_no_scale, hidden, sheared, emptied, far_away_in_itself]
+    ("make", "expected"),
+    [
+        (flat_to_a_point, ""),
+        (without_faces, "no faces: add"),
+        (of_no_scale, "scale of zero: set"),
+        (hidden, "hidden"),
+        (sheared, ""),
+        (emptied, "no faces left after its modifiers"),
+        (not_finite, "1 vertex whose coordinates are not finite"),
+    ],
 )
-def test_refused(make):
+def test_refused(make, expected):
     obj = make()
     change_settings(samples=4, field_resolution=8)
     bpy.context.view_layer.update()
     bpy.context.view_layer.objects.active = obj
     before = snapshot()
-    assert_one_sentence(error_of(bpy.ops.multibounce_ao.bake_field))
+    message = error_of(bpy.ops.multibounce_ao.bake_field)
+    assert_one_sentence(message)
+    assert re.search(expected, message)
     assert differences(before, snapshot()) == []
 
 

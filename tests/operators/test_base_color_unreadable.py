@@ -93,7 +93,7 @@ def test_viewport_colour_with_one_warning(build):
     albedo, warnings = read_albedo(floor, second, third)
     (warning,) = warnings
     print(warning)
-    for part in ("'Floor'", "'Clouds'", UNREADABLE[build], "viewport colour"):
+    for part in ("'Floor'", "'Clouds'", UNREADABLE[build], "viewport color"):
         assert part in warning
     colours = albedo.at(np.arange(38), np.zeros(38), np.zeros(38))
     np.testing.assert_allclose(colours, [TINT[:3]] * 36 + [(GREY, GREY, GREY)] * 2, atol=1e-6)

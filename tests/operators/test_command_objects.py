@@ -105,7 +105,7 @@ def test_a_hundred_objects_with_seven_that_are_broken(scene, tmp_path, capsys):
         "Bad scale": "has a scale of zero",
         "Bad place": "has a transform that is not finite",
         "Bad modifier": "has no faces left after its modifiers",
-        "Bad name": "has a UV map, vertex group or attribute 'Bent Cone' that is no colour",
+        "Bad name": "has a UV map, vertex group or attribute 'Bent Cone' that is no color",
         "Bad layer": "is hidden in the viewport",
     }
     bad = {name: plate(name, steps=1, location=(0, 0, 9)) for name in broken}

@@ -34,7 +34,7 @@ def test_overrides(examples, empty_scene):
     import bpy
 
     bpy.ops.mesh.primitive_plane_add()
-    exec(compile(examples[1], "python.md", "exec"), {"bpy": bpy})
+    exec(compile(examples[1], "python.md", "exec"), {})
     bpy.ops.multibounce_ao.bake()
     assert bpy.context.object["multibounce_ao"]["samples"] == 1024
 
