@@ -291,7 +291,9 @@ def _store(
         if obj.data.is_editmode and settings.target == "VERTEX":
             raise BakeError("is in Edit Mode: leave it, and bake again")
         if result is not None:
+            replaces = result.replaces() if isinstance(result, TextureResult) else []
             report.outputs = result.write()
+            report.warnings += replaces
         record_bake(obj, settings, report, mark, result.uv_map if isinstance(result, TextureResult) else None)
     except BakeError as error:
         report.error = f"Object '{report.name}' {error}"

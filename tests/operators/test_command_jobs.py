@@ -51,6 +51,8 @@ if name.startswith("slow"):
 time.sleep(0.2)
 one = {"name": name, "target": "VERTEX", "points": 4, "samples": 8, "rays": 32, "seconds": 0.5,
        "f0": {"min": 0.5, "mean": 0.75, "max": 1.0}, "outputs": [], "warnings": ["Odd"], "error": None}
+if name.startswith("same"):
+    one["outputs"] = ["Packed", os.path.join(os.path.dirname(log), "same.exr")]
 if name.startswith("object"):
     one["error"] = "Object 'object' has no faces"
     print("Error: " + one["error"], file=sys.stderr)
@@ -160,6 +162,20 @@ def test_each_way_to_fail_is_named(fake, tmp_path, capsys):
     assert table[3][1:] == ["object", "4", "32", "0.50", "failed"]
     assert [str(tmp_path / "crash.blend"), "-", "-", "-", "-", "failed"] in table
     assert lines[-1].startswith("3 baked, 1 failed, 3 of 6 files failed, in ")
+
+
+def test_two_files_that_write_one_map(fake, tmp_path, capsys):
+    """What they pack may have one name."""
+    files = fake("same", "good", "same2")
+    report = gathered(tmp_path, *files, code=1)
+    first, _, later = [entry["error"] for entry in report["objects"]]
+    assert first is None
+    assert later == (
+        f"Object 'same2' of '{files[2]}' and 'same' of '{files[0]}' both wrote '{tmp_path / 'same.exr'}': choose "
+        "another Output in one of the files, or bake each in a call of its own with another --set "
+        "output_directory=FOLDER"
+    )
+    assert "2 baked, 1 failed, 0 of 3 files failed" in capsys.readouterr().err
 
 
 def test_jobs_run_side_by_side_and_share_the_threads(fake, tmp_path):
