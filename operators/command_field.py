@@ -14,6 +14,7 @@ from .command_files import UsageError, keep
 from .command_scene import (
     add_command,
     exit_code,
+    given_settings,
     names_set,
     no_object,
     open_objects,
@@ -44,7 +45,8 @@ def add_to(commands: argparse._SubParsersAction) -> None:
 def _field(options: argparse.Namespace) -> int:
     started = time.perf_counter()
     objects, missing = open_objects(options, lambda: [_active()])
-    settings = FieldSettings.of(bpy.context.scene)
+    with given_settings(bpy.context.scene, options):
+        settings = FieldSettings.of(bpy.context.scene)
     reports = [_bake(obj, settings, options) for obj in objects]
     reports += [FieldReport(name, error=no_object(name)) for name in missing]
 

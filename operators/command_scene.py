@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from fnmatch import fnmatchcase
 from pathlib import Path
 
@@ -54,8 +55,8 @@ def add_command(
             metavar="PROPERTY=VALUE",
             action="append",
             default=[],
-            help="change a setting of scene.multibounce_ao, such as samples=64 or target=TEXTURE, also for objects and "
-            "collections that override it; may be given again",
+            help="use this setting of scene.multibounce_ao in this run, such as samples=64 or target=TEXTURE, also for "
+            "objects and collections that override it; --save keeps the scene's own; may be given again",
         )
     if changes:
         command.add_argument(
@@ -71,14 +72,13 @@ def add_command(
 
 
 def open_scene(options: argparse.Namespace) -> bpy.types.Scene:
-    """Open the .blend and change its settings as asked; returns its scene. Raises UsageError."""
+    """Open the .blend; returns its scene. Raises UsageError."""
     (scene,) = open_scenes(options, None)
     return scene
 
 
 def open_scenes(options: argparse.Namespace, patterns: list[str] | None) -> list[bpy.types.Scene]:
-    """Open the .blend and change the settings of those scenes that ``patterns`` name, or of its active one; returns
-    these. Raises UsageError."""
+    """Open the .blend; returns those of its scenes that ``patterns`` name, or its active one. Raises UsageError."""
     path = options.scene
     if not path.is_file():
         raise UsageError(f"there is no file '{path}'")
@@ -88,10 +88,7 @@ def open_scenes(options: argparse.Namespace, patterns: list[str] | None) -> list
     except RuntimeError as error:
         reason = str(error).strip().removeprefix("Error: ")
         raise UsageError(f"'{path}' cannot be opened: {reason}") from None
-    scenes = [bpy.context.scene] if patterns is None else _named_scenes(patterns)
-    for scene in scenes:
-        _change_settings(scene, options)
-    return scenes
+    return [bpy.context.scene] if patterns is None else _named_scenes(patterns)
 
 
 def _named_scenes(patterns: list[str]) -> list[bpy.types.Scene]:
@@ -107,15 +104,29 @@ def _named_scenes(patterns: list[str]) -> list[bpy.types.Scene]:
     return list(found)
 
 
-def _change_settings(scene: bpy.types.Scene, options: argparse.Namespace) -> None:
-    for assignment in options.set:
-        name, separator, value = assignment.partition("=")
-        if not separator:
-            raise UsageError(f"--set {assignment}: write it as PROPERTY=VALUE")
-        try:
-            set_from_text(scene.multibounce_ao, name, value)
-        except ValueError as error:
-            raise UsageError(f"--set {assignment}: {error}") from None
+@contextmanager
+def given_settings(scene: bpy.types.Scene, options: argparse.Namespace) -> Iterator[None]:
+    """``scene`` has the settings that --set gives, for a copy to be made of them; at the end it has its own again, and
+    those are saved. Raises UsageError."""
+    settings = scene.multibounce_ao
+    names = names_set(options) & set(settings.bl_rna.properties.keys())
+    own = {name: getattr(settings, name) for name in names if settings.is_property_set(name)}
+    try:
+        for assignment in options.set:
+            name, separator, value = assignment.partition("=")
+            if not separator:
+                raise UsageError(f"--set {assignment}: write it as PROPERTY=VALUE")
+            try:
+                set_from_text(settings, name, value)
+            except ValueError as error:
+                raise UsageError(f"--set {assignment}: {error}") from None
+        yield
+    finally:
+        for name in names:
+            if name in own:
+                setattr(settings, name, own[name])
+            else:
+                settings.property_unset(name)
 
 
 def open_objects(
