@@ -90,4 +90,4 @@ def tell_of_record(obj: bpy.types.Object, report: ObjectReport) -> None:
     """Fill the ``report`` of an object that has its bake already."""
     record = obj[PROPERTY]
     report.points, report.f0, report.outputs = record["points"], record["f0"].to_dict(), list(record["outputs"])
-    report.warnings = [*record["warnings"], "Was baked already, with the same settings and geometry: left as it is"]
+    report.warnings, report.left = list(record["warnings"]), True

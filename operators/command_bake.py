@@ -185,7 +185,7 @@ def _tell_scene(
         report.scene = scene.name
         obj = scene.objects.get(report.name)
         place = obj if obj is None or report.target == "TEXTURE" else obj.data
-        if place in earlier and not report.error:
+        if place in earlier and not report.error and not report.left:
             report.warnings.append(
                 f"Is in scene '{earlier[place]}' too, whose bake this one replaced: give one of them a copy "
                 "(Object > Relations > Make Single User > Object & Data)"

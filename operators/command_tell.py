@@ -25,7 +25,7 @@ def tell(
         where = f"'{report.file}': " if files else ""
         if report.error:
             print(f"Error: {where}{report.error}", file=sys.stderr)
-        elif not options.quiet:
+        elif not options.quiet and not report.left:
             for warning in report.warnings:
                 print(f"Warning: {where}'{report.name}': {warning}", file=sys.stderr)
     if options.quiet:
@@ -37,17 +37,26 @@ def tell(
             count_text(report.points),
             count_text(report.rays),
             f"{report.seconds:.2f}",
-            f"{report.f0['mean']:.4f}" if report.f0 and not report.error else "failed",
+            _result(report),
         )
         for report in reports
     ]
     rows += [(file, *["-"] * (len(names) + 2), "failed") for file in broken]
     print_table((*names, "points", "rays", "seconds", "mean AO"), rows, sys.stderr, len(names))
     failed = sum(report.error is not None for report in reports)
-    counted = f"{len(reports) - failed} baked, {failed} failed"
+    left = sum(bool(report.left) for report in reports if not report.error)
+    baked = len(reports) - failed - left
+    counted = f"{baked} baked, " + (f"{left} left as they are, " if left else "") + f"{failed} failed"
     if files:
         counted += f", {len(broken)} of {len(files)} files failed"
     print(f"{counted}, in {seconds:.1f} s", file=sys.stderr)
-    if failed < len(reports) and options.save is None:
+    if baked and options.save is None:
         saved = "files were" if files else "was"
         print(f"The .blend {saved} not saved: add --save to keep the bake in it", file=sys.stderr)
+
+
+def _result(report: ObjectReport) -> str:
+    """The last column of the table."""
+    if report.error or not report.f0:
+        return "failed"
+    return "as it was" if report.left else f"{report.f0['mean']:.4f}"
