@@ -153,3 +153,17 @@ def test_resume_leaves_twins(scene, tmp_path, capsys):
     entries = reported(path, *common, "--object", "Floor", "--object", "Third")["objects"]
     assert [entry.get("left") for entry in entries] == [True, None]
     assert "1 baked, 1 left as they are, 0 failed" in capsys.readouterr().err
+
+
+def test_a_warning_that_many_have_is_printed_once(scene, tmp_path, capsys):
+    for index in range(4):
+        plate(f"Floor {index}", steps=1, location=(3 * index, 0, 0))
+    for vertex in plate("Broken", steps=1).data.vertices:
+        vertex.co.x = float("nan")
+    path = tmp_path / "scene.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    entries = reported(path, "--set", "samples=4", "--object", "Floor *")["objects"]
+    (warning,) = entries[0]["warnings"]
+    assert all(entry["warnings"] == [warning] for entry in entries)
+    warnings = [line for line in capsys.readouterr().err.splitlines() if line.startswith("Warning: ")]
+    assert warnings == [f"Warning: 4 objects ('Floor 0', 'Floor 1', 'Floor 2', ...): {warning}"]
