@@ -101,9 +101,9 @@ def begin_files(options: argparse.Namespace) -> None:
     """Look whether the .blend and the report can be written, and keep in mind what the .blend is now. Raises
     UsageError."""
     if options.report is not None:
-        check_writable("--report", options.report, make=True)
+        check_writable("--report", options.report)
     if options.save is not None:
-        check_writable("--save", Path(options.save or options.scene), make=False)
+        check_writable("--save", Path(options.save or options.scene))
     _opened[options.scene.resolve()] = _state(options.scene)
 
 
@@ -120,12 +120,11 @@ def keep(options: argparse.Namespace, reports: Sequence[AnyReport], started: flo
     )
 
 
-def check_writable(option: str, path: Path, make: bool) -> None:
-    """Try now what is only needed at the end, perhaps of a night; ``make`` its folder. Raises UsageError."""
+def check_writable(option: str, path: Path) -> None:
+    """Make the folder now of what is only written at the end, perhaps of a night, and try it. Raises UsageError."""
     path = path.resolve()
     try:
-        if make:
-            path.parent.mkdir(parents=True, exist_ok=True)
+        path.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=path.parent):
             pass
     except OSError as error:

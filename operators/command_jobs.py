@@ -53,7 +53,7 @@ def bake_files(files: list[Path], options: argparse.Namespace) -> int:
         raise UsageError(f"--save {options.save}: several files are saved each in its place, so write --save alone")
     program = _program()
     if options.report is not None:
-        check_writable("--report", options.report, make=True)
+        check_writable("--report", options.report)
     reports, objects = [FileReport(str(file), error="was not begun") for file in files], []
     with TemporaryDirectory() as folder:
         children = [

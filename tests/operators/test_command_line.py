@@ -114,7 +114,7 @@ def test_output_folder_that_cannot_be_written(blend, capsys):
     assert "choose another folder" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("to", ["", "new.blend"])
+@pytest.mark.parametrize("to", ["", "new.blend", "made/for/it.blend"])
 def test_save(blend, to, tmp_path):
     before = blend.read_bytes()
     target = tmp_path / to if to else blend
