@@ -246,6 +246,19 @@ def test_wrong_usage(blend, tmp_path, capsys):
         assert "Traceback" not in error
 
 
+@pytest.mark.parametrize(
+    "arguments",
+    [["bake", "--save", "a.blend"], ["fit", "--save", "a.blend"], ["merge", "--save", "a.blend", "b.blend"]],
+)
+def test_a_file_that_save_took(extension, arguments, capsys):
+    assert run(*arguments) == 2
+    told = "--save took a.blend as the name to save as: write the .blend first, or --save=NAME"
+    assert capsys.readouterr().err == f"multibounce_ao: {told}\n"
+    for others in (["--save=a.blend"], ["--save"], ["--save", "a.blend", "--jobs", "none", "b.blend"]):
+        assert run("bake", *others) == 2
+        assert "--save took" not in capsys.readouterr().err
+
+
 def test_scene_without_a_mesh(tmp_path, capsys):
     path = tmp_path / "empty.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
