@@ -16,7 +16,7 @@ import numpy as np
 
 from .bake_record import baked_source, plug_recorded
 from .command_files import blend_files, keep
-from .command_scene import add_command, exit_code, no_object, open_objects, print_table
+from .command_scene import add_command, exit_code, named_objects, no_object, open_scene, print_table, scenes_of_objects
 from .images import check_image_names, keep_image, recorded_images
 from .mesh_reader import read, read_corner_vertices, read_positions
 from .names import CHANNELS, PROPERTY
@@ -67,9 +67,11 @@ def _merge(options: argparse.Namespace) -> int:
     started = time.perf_counter()
     scene = options.scene.resolve()
     parts = [part for part in map(Path.resolve, blend_files(options.parts)) if part != scene]
-    objects, missing = open_objects(options, lambda: bpy.context.view_layer.objects[:])
+    open_scene(options)
+    everything = list(scenes_of_objects())
+    objects, missing = (everything, []) if options.object is None else named_objects(options.object, everything)
     targets = _Targets(objects, are_all=options.object is None)
-    reports = [MergeReport(name, error=no_object(name)) for name in missing]
+    reports = [MergeReport(name, error=no_object(name, everything)) for name in missing]
     for part in parts:
         reports += targets.take_part(part)
     # With the parts closed again, and in the order of a bake: nodes and materials come out as one bake makes them.
@@ -117,7 +119,7 @@ class _Targets:
         name = source.name
         try:
             if name not in self._objects:
-                raise BakeError(f"is baked in '{report.part}': {no_object(name)}")
+                raise BakeError(f"is baked in '{report.part}': {no_object(name, self._objects.values())}")
             if name in self.taken:
                 first = self.taken[name].part
                 raise BakeError(f"was baked in both '{first}' and '{report.part}': leave one of them out")

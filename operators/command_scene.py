@@ -129,13 +129,14 @@ def given_settings(scene: bpy.types.Scene, options: argparse.Namespace) -> Itera
                 settings.property_unset(name)
 
 
-def open_objects(
-    options: argparse.Namespace, usual: Callable[[], list[bpy.types.Object]]
-) -> tuple[list[bpy.types.Object], list[str]]:
-    """Open the .blend as :func:`open_scene` does; returns what --object names and the patterns that name nothing, or
-    else the ``usual`` objects. Raises UsageError."""
-    open_scene(options)
-    return (usual(), []) if options.object is None else named_objects(options.object)
+def scenes_of_objects() -> dict[bpy.types.Object, list[bpy.types.Scene]]:
+    """By object, the scenes of the .blend that have it; in the order in which a bake of all scenes takes them."""
+    found: dict[bpy.types.Object, list[bpy.types.Scene]] = {}
+    for scene in bpy.data.scenes:
+        layer = bpy.context.view_layer if scene == bpy.context.scene else scene.view_layers[0]
+        for obj in dict.fromkeys([*layer.objects, *scene.objects]):
+            found.setdefault(obj, []).append(scene)
+    return found
 
 
 def exit_code(kept: bool, reports: Iterable[AnyReport]) -> int:
@@ -148,21 +149,28 @@ def names_set(options: argparse.Namespace) -> set[str]:
     return {assignment.partition("=")[0] for assignment in options.set}
 
 
-def no_object(name: str) -> str:
-    """What to say where the view layer has no object ``name``."""
-    meshes = ", ".join(f"'{obj.name}'" for obj in bpy.context.view_layer.objects if obj.type == "MESH")
-    return f"There is no object '{name}' in the view layer: choose among {meshes or 'none, it has no mesh'}"
+def no_object(name: str, objects: Iterable[bpy.types.Object] | None = None) -> str:
+    """What to say where the view layer has no object ``name``, or else none of ``objects``, all of the .blend."""
+    where = "view layer" if objects is None else ".blend"
+    objects = bpy.context.view_layer.objects if objects is None else objects
+    meshes = ", ".join(f"'{obj.name}'" for obj in objects if obj.type == "MESH")
+    return f"There is no object '{name}' in the {where}: choose among {meshes or 'none, it has no mesh'}"
 
 
-def named_objects(patterns: Iterable[str]) -> tuple[list[bpy.types.Object], list[str]]:
-    """The objects of the view layer that ``patterns`` name, each once, and the patterns that name none.
+def named_objects(
+    patterns: Iterable[str], among: Iterable[bpy.types.Object] | None = None
+) -> tuple[list[bpy.types.Object], list[str]]:
+    """The objects of the view layer, or ``among`` others, that ``patterns`` name, each once, and the patterns that name
+    none.
 
     A pattern is a name, or else it names all meshes that it matches: * stands for any letters, ? for one.
     """
-    objects, found, missing = bpy.context.view_layer.objects, {}, []
+    objects = {obj.name: obj for obj in (bpy.context.view_layer.objects if among is None else among)}
+    meshes = [obj for obj in objects.values() if obj.type == "MESH"]
+    found, missing = {}, []
     for pattern in patterns:
         exact = objects.get(pattern)
-        named = [exact] if exact else [obj for obj in objects if obj.type == "MESH" and fnmatchcase(obj.name, pattern)]
+        named = [exact] if exact else [obj for obj in meshes if fnmatchcase(obj.name, pattern)]
         found.update(dict.fromkeys(named))
         if not named and pattern not in missing:
             missing.append(pattern)
