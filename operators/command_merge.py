@@ -82,12 +82,13 @@ def _merge(options: argparse.Namespace) -> int:
             obj[PROPERTY]["warnings"] = warnings
 
     kept = keep(options, reports, started)
-    _tell(reports, options, bool(targets.taken))
+    _tell(reports, options, targets)
     return exit_code(kept, reports)
 
 
 class _Targets:
-    """The objects that bakes are taken to. ``taken`` has the reports of those that got theirs."""
+    """The objects that bakes are taken to. ``taken`` has the reports of those that got theirs, ``there_already`` the
+    names of those that had them."""
 
     def __init__(self, objects: list[bpy.types.Object], are_all: bool):
         """``are_all``: a bake of an object that is not among them is an error."""
@@ -95,6 +96,7 @@ class _Targets:
         self._are_all = are_all
         self._before = {obj.name: _record(obj) for obj in objects}
         self.taken: dict[str, MergeReport] = {}
+        self.there_already: set[str] = set()
 
     def take_part(self, part: Path) -> list[MergeReport]:
         """Store what was baked in ``part``: all but the nodes; a report each."""
@@ -113,7 +115,10 @@ class _Targets:
         if source.name not in self._objects:
             return self._are_all
         before = self._before[source.name]
-        return not before or before != _record(source)  # else the part has it from this file
+        if before and before == _record(source):  # the part has it from this file, or this file from the part
+            self.there_already.add(source.name)
+            return False
+        return True
 
     def _take(self, source: bpy.types.Object, report: MergeReport) -> None:
         name = source.name
@@ -186,7 +191,7 @@ def _same_surface(obj: bpy.types.Object, other: bpy.types.Object, uv_map: str | 
     return np.array_equal(*uvs)
 
 
-def _tell(reports: list[MergeReport], options: argparse.Namespace, taken: bool) -> None:
+def _tell(reports: list[MergeReport], options: argparse.Namespace, targets: _Targets) -> None:
     """Print on stderr what cannot be missed, then all in a table."""
     for report in reports:
         if report.error:
@@ -194,8 +199,11 @@ def _tell(reports: list[MergeReport], options: argparse.Namespace, taken: bool) 
     if options.quiet:
         return
     rows = [(report.name, report.part, "failed" if report.error else report.target) for report in reports]
-    print_table(("object", "from", "target"), rows, sys.stderr)
+    if rows:
+        print_table(("object", "from", "target"), rows, sys.stderr)
+    there = len(targets.there_already - targets.taken.keys())
+    already = f"{there} {'is' if there == 1 else 'are'} there already, " if there else ""
     failed = sum(report.error is not None for report in reports)
-    print(f"{len(reports) - failed} taken over, {failed} failed", file=sys.stderr)
-    if taken and options.save is None:
+    print(f"{len(reports) - failed} taken over, {already}{failed} failed", file=sys.stderr)
+    if targets.taken and options.save is None:
         print("The .blend was not saved: add --save to keep the bakes in it", file=sys.stderr)
