@@ -88,7 +88,7 @@ def add_to(commands: argparse._SubParsersAction) -> None:
         metavar="N",
         type=_count,
         default=1,
-        help="with several files, bake N of them at a time, each in a Blender of its own",
+        help="with several files, bake N of them at a time, each in a Blender of its own; default: 1",
     )
     command.add_argument(
         "--threads",

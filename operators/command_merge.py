@@ -59,7 +59,7 @@ def add_to(commands: argparse._SubParsersAction) -> None:
         "parts",
         metavar="PART.blend",
         nargs="+",
-        help="a file, or all files that a pattern such as 'part_*.blend' names",
+        help="a file, or all that a pattern such as 'part_*.blend' or '*/part.blend' names",
     )
 
 

@@ -43,7 +43,10 @@ def add_command(
     )
     if several:
         command.add_argument(
-            "files", metavar="SCENE.blend", nargs="+", help="a file, or all that a pattern such as 'shot_*.blend' names"
+            "files",
+            metavar="SCENE.blend",
+            nargs="+",
+            help="a file, or all that a pattern such as 'shot_*.blend' or '*/lit.blend' names",
         )
     else:
         command.add_argument("scene", metavar="SCENE.blend", type=Path)
@@ -80,6 +83,8 @@ def open_scene(options: argparse.Namespace) -> bpy.types.Scene:
 def open_scenes(options: argparse.Namespace, patterns: list[str] | None) -> list[bpy.types.Scene]:
     """Open the .blend; returns those of its scenes that ``patterns`` name, or its active one. Raises UsageError."""
     path = options.scene
+    if path.is_dir():
+        raise UsageError(f"'{path}' is a folder: name a .blend in it")
     if not path.is_file():
         raise UsageError(f"there is no file '{path}'")
     begin_files(options)

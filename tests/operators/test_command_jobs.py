@@ -231,6 +231,33 @@ def test_progress_goes_to_a_terminal_alone(fake, tmp_path, capsys, monkeypatch):
     assert len(capsys.readouterr().err.splitlines()) == 1
 
 
+def test_patterns_in_every_part_of_a_path(scene, tmp_path, monkeypatch):
+    found = operators("command_files").blend_files
+    wrong = operators("command_files").UsageError
+    for name in ("n1/a.blend", "n1/b.txt", "n2/a.blend", "n2/below/c.blend", "shots [v1]/n1/d.blend"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).touch()
+
+    for start in ("", f"{tmp_path}/"):
+        monkeypatch.chdir(tmp_path)
+
+        def names(*patterns, start=start):
+            files = found([start + pattern for pattern in patterns])
+            return [str(file).removeprefix(start) for file in files]
+
+        assert names("n?/*.blend") == ["n1/a.blend", "n2/a.blend"]
+        assert names("n2/a.blend", "n*/a.blend") == ["n2/a.blend", "n1/a.blend"]
+        assert names("n?/**/*.blend") == ["n1/a.blend", "n2/a.blend", "n2/below/c.blend"]
+        assert names("shots [v1]/n?/*.blend") == names("shots [v1]/n1/d.blend") == ["shots [v1]/n1/d.blend"]
+        for folder in ("n1", "n?", "shots [v1]"):
+            with pytest.raises(wrong) as told:
+                names(folder)
+            assert str(told.value) == f"'{start}{folder}' is a folder: write '{start}{folder}/*.blend'"
+        for nothing in ("n3/*.blend", "n3", "n1/a.blend/*"):
+            with pytest.raises(wrong, match="there is no file"):
+                names(nothing)
+
+
 def test_wrong_usage(fake, tmp_path, capsys):
     files = fake("a", "b")
     for arguments, told in (
