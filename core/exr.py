@@ -60,8 +60,11 @@ def read_exr(path: str | Path) -> NDArray[np.float32]:
 
 
 def read_metadata(path: str | Path) -> dict[str, str]:
-    """The text attributes of a file's header."""
+    """The text attributes of a file's header. Raises OSError where it cannot be read."""
     import OpenEXR
 
-    with OpenEXR.File(str(path), header_only=True) as file:
-        return {name: value for name, value in file.header().items() if isinstance(value, str)}
+    try:
+        with OpenEXR.File(str(path), header_only=True) as file:
+            return {name: value for name, value in file.header().items() if isinstance(value, str)}
+    except RuntimeError as error:
+        raise OSError(f"cannot read {path}: {error}") from error

@@ -23,7 +23,7 @@ import numpy as np
 
 from ..core.rays import Occluders
 from ..core.workers import in_thread, mapped
-from .bake_record import baked_fingerprint, record_bake, tell_of_record
+from .bake_record import baked_fingerprint, baked_source, record_bake, tell_of_record
 from .base_color import read_own_albedo
 from .bent_normal_map import read_bent_normal_map
 from .fingerprint import fingerprint
@@ -113,6 +113,7 @@ def bake(
                 result, mark = None, b""
                 baked, baked_with = baked_meshes[obj.data]
                 _share(baked, report, chosen.bounces)
+                report.left = baked.left if baked_source(obj) is not None else None
                 chosen = replace(baked_with, use_material_nodes=chosen.use_material_nodes)
             else:
                 known, partners = baked_fingerprint(obj) if resume else b"", sources and sources[obj]
@@ -291,7 +292,9 @@ def _store(
         if obj.data.is_editmode and settings.target == "VERTEX":
             raise BakeError("is in Edit Mode: leave it, and bake again")
         if result is not None:
+            replaces = result.replaces() if isinstance(result, TextureResult) else []
             report.outputs = result.write()
+            report.warnings += replaces
         record_bake(obj, settings, report, mark, result.uv_map if isinstance(result, TextureResult) else None)
     except BakeError as error:
         report.error = f"Object '{report.name}' {error}"

@@ -8,6 +8,7 @@ import os
 import bpy
 
 from .images import image_files, recorded_images
+from .map_owner import blend_name, map_owner
 from .material_nodes import GROUPS, BakedSource
 from .names import AO_MAP, PROPERTY
 from .object_materials import plug_object, plug_object_occlusion
@@ -37,7 +38,7 @@ def record_bake(
         "fingerprint": mark.hex(),
     }
     if uv_map is not None:
-        record["uv_map"] = uv_map
+        record["uv_map"], record["blend"] = uv_map, blend_name()
     obj[PROPERTY] = record
     report.warnings += plug_recorded(obj)
     obj[PROPERTY]["warnings"] = report.warnings
@@ -72,16 +73,21 @@ def curve_group(obj: bpy.types.Object) -> str:
 
 
 def baked_fingerprint(obj: bpy.types.Object) -> bytes:
-    """Of what the last bake of ``obj`` was made from; empty where there is none, or not all that it left."""
+    """Of what the last bake of ``obj`` was made from; empty where there is none, or not all that it left: no maps that
+    another .blend wrote over."""
     record = obj.get(PROPERTY, {})
     if not record.get("fingerprint") or baked_source(obj) is None:
         return b""
     files = [file for image in recorded_images(obj).values() if not image.packed_file for file in image_files(image)]
-    return bytes.fromhex(record["fingerprint"]) if all(map(os.path.isfile, files)) else b""
+    # Not the open .blend's name: it may have been saved under another since.
+    are_own = all(map(os.path.isfile, files)) and all(
+        map_owner(file)[0] == record.get("blend", "") for file in files if file.endswith(".exr")
+    )
+    return bytes.fromhex(record["fingerprint"]) if are_own else b""
 
 
 def tell_of_record(obj: bpy.types.Object, report: ObjectReport) -> None:
     """Fill the ``report`` of an object that has its bake already."""
     record = obj[PROPERTY]
     report.points, report.f0, report.outputs = record["points"], record["f0"].to_dict(), list(record["outputs"])
-    report.warnings = [*record["warnings"], "Was baked already, with the same settings and geometry: left as it is"]
+    report.warnings, report.left = list(record["warnings"]), True

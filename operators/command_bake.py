@@ -16,6 +16,7 @@ from .command_jobs import bake_files
 from .command_scene import (
     add_command,
     exit_code,
+    given_settings,
     meshes_in_collections,
     named_objects,
     names_set,
@@ -87,7 +88,7 @@ def add_to(commands: argparse._SubParsersAction) -> None:
         metavar="N",
         type=_count,
         default=1,
-        help="with several files, bake N of them at a time, each in a Blender of its own",
+        help="with several files, bake N of them at a time, each in a Blender of its own; default: 1",
     )
     command.add_argument(
         "--threads",
@@ -121,17 +122,21 @@ def _bake(options: argparse.Namespace) -> int:
 def _bake_file(options: argparse.Namespace) -> int:
     started = time.perf_counter()
     scenes = open_scenes(options, options.scenes)
+    settings_of = {}
+    for scene in scenes:
+        with given_settings(scene, options):
+            settings_of[scene] = BakeSettings.of(scene)
     objects_of, missing = _objects(scenes, options)
     checkpoints = _Checkpoints(options)
     reports = []
     for scene, objects in objects_of.items():
         checkpoints.begin()
         with _in_scene(scene):
-            own = _bake_objects(objects, BakeSettings.of(scene), options, checkpoints)
+            own = _bake_objects(objects, settings_of[scene], options, checkpoints)
         if options.scenes is not None:
             _tell_scene(own, scene, objects_of)
         reports += own
-    target = scenes[0].multibounce_ao.target
+    target = settings_of[scenes[0]].target
     reports += [ObjectReport(name, target, error=message) for name, message in missing]
 
     kept = keep(options, reports, started)
@@ -180,7 +185,7 @@ def _tell_scene(
         report.scene = scene.name
         obj = scene.objects.get(report.name)
         place = obj if obj is None or report.target == "TEXTURE" else obj.data
-        if place in earlier and not report.error:
+        if place in earlier and not report.error and not report.left:
             report.warnings.append(
                 f"Is in scene '{earlier[place]}' too, whose bake this one replaced: give one of them a copy "
                 "(Object > Relations > Make Single User > Object & Data)"

@@ -14,9 +14,11 @@ from .command_files import UsageError, keep
 from .command_scene import (
     add_command,
     exit_code,
+    given_settings,
+    named_objects,
     names_set,
     no_object,
-    open_objects,
+    open_scene,
     progress_for,
 )
 from .field_job import FieldReport, FieldSettings, bake_object_field
@@ -43,8 +45,10 @@ def add_to(commands: argparse._SubParsersAction) -> None:
 
 def _field(options: argparse.Namespace) -> int:
     started = time.perf_counter()
-    objects, missing = open_objects(options, lambda: [_active()])
-    settings = FieldSettings.of(bpy.context.scene)
+    scene = open_scene(options)
+    with given_settings(scene, options):
+        settings = FieldSettings.of(scene)
+    objects, missing = ([_active()], []) if options.object is None else named_objects(options.object)
     reports = [_bake(obj, settings, options) for obj in objects]
     reports += [FieldReport(name, error=no_object(name)) for name in missing]
 

@@ -35,17 +35,28 @@ class UsageError(Exception):
 
 
 def blend_files(names: Sequence[str]) -> list[Path]:
-    """The files of these names, or that patterns among them name, each once. Raises UsageError where there is none."""
+    """The files of these names, or that patterns among them name, each once; ** stands for folders at any depth. Raises
+    UsageError where there is none."""
     found: dict[Path, Path] = {}
     for name in map(Path, names):
-        # Only the last part of a path is a pattern.
-        pattern = os.path.join(glob.escape(str(name.parent)), name.name)
-        named = [name] if name.is_file() else [path for path in map(Path, sorted(glob.glob(pattern))) if path.is_file()]
+        matches = (
+            [name] if name.exists() else [Path(path) for path in sorted(glob.glob(_pattern(name), recursive=True))]
+        )
+        named = [path for path in matches if path.is_file()]
+        if matches and not named:
+            raise UsageError(f"'{name}' is a folder: write '{name / '*.blend'}'")
         if not named:
             raise UsageError(f"there is no file '{name}'")
         for path in named:
             found.setdefault(path.resolve(), path)
     return list(found.values())
+
+
+def _pattern(path: Path) -> str:
+    """``path`` as a pattern; but the folders at its beginning that are there by that very name, as "shots [v1]" may be,
+    stand for themselves."""
+    there = next((folder for folder in path.parents if folder.exists()), Path(path.anchor))
+    return os.path.join(glob.escape(str(there)), path.relative_to(there))
 
 
 def save_scene(name: str) -> bool:
@@ -101,9 +112,9 @@ def begin_files(options: argparse.Namespace) -> None:
     """Look whether the .blend and the report can be written, and keep in mind what the .blend is now. Raises
     UsageError."""
     if options.report is not None:
-        check_writable("--report", options.report, make=True)
+        check_writable("--report", options.report)
     if options.save is not None:
-        check_writable("--save", Path(options.save or options.scene), make=False)
+        check_writable("--save", Path(options.save or options.scene))
     _opened[options.scene.resolve()] = _state(options.scene)
 
 
@@ -120,12 +131,11 @@ def keep(options: argparse.Namespace, reports: Sequence[AnyReport], started: flo
     )
 
 
-def check_writable(option: str, path: Path, make: bool) -> None:
-    """Try now what is only needed at the end, perhaps of a night; ``make`` its folder. Raises UsageError."""
+def check_writable(option: str, path: Path) -> None:
+    """Make the folder now of what is only written at the end, perhaps of a night, and try it. Raises UsageError."""
     path = path.resolve()
     try:
-        if make:
-            path.parent.mkdir(parents=True, exist_ok=True)
+        path.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=path.parent):
             pass
     except OSError as error:

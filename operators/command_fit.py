@@ -10,7 +10,7 @@ import time
 import bpy
 
 from .command_files import UsageError, keep
-from .command_scene import add_command, exit_code, no_object, open_scene, progress_for
+from .command_scene import add_command, exit_code, given_settings, no_object, open_scene, progress_for
 from .fit_bounces import fit_source, summary
 from .fit_job import FitReport, fit_bounces
 from .fit_sources import FitSettings
@@ -40,14 +40,15 @@ def add_to(commands: argparse._SubParsersAction) -> None:
 def _fit(options: argparse.Namespace) -> int:
     started = time.perf_counter()
     scene = open_scene(options)
-    source = _source(options.object)
+    with given_settings(scene, options):
+        source, settings = _source(options.object), FitSettings.of(scene)
     show = progress_for(options)
     if isinstance(source, str):
         report = FitReport(source, "MESH", error=no_object(source))
     else:
         try:
             selected = [obj for obj in bpy.context.view_layer.objects if obj.select_get()]
-            report = drive(fit_bounces(bpy.context, source, FitSettings.of(scene), selected=selected), show)
+            report = drive(fit_bounces(bpy.context, source, settings, selected=selected), show)
         except BakeError as error:
             report = FitReport.of(source, error=str(error))
 

@@ -10,7 +10,16 @@ import bpy
 
 from .bake_record import baked_source
 from .command_files import write_report
-from .command_scene import DONE, NOT_ALL_DONE, add_command, no_object, open_objects, print_table
+from .command_scene import (
+    DONE,
+    NOT_ALL_DONE,
+    add_command,
+    named_objects,
+    no_object,
+    open_scene,
+    print_table,
+    scenes_of_objects,
+)
 from .field_record import FIELD, has_field
 from .images import recorded_images
 from .names import PROPERTY
@@ -25,7 +34,8 @@ def add_to(commands: argparse._SubParsersAction) -> None:
         "info",
         _info,
         help="tell what is baked in a .blend",
-        description="List what bakes left on the objects of SCENE.blend, on stdout and with --report as JSON.",
+        description="List what bakes left on the objects of all scenes of SCENE.blend, on stdout and with --report as "
+        "JSON.",
         object_help="tell of this object, or of all meshes that a pattern such as 'Wall*' names; may be given again",
         failure="an object that was asked for is not there, or has lost its bake",
         changes=False,
@@ -33,26 +43,30 @@ def add_to(commands: argparse._SubParsersAction) -> None:
 
 
 def _info(options: argparse.Namespace) -> int:
-    objects, missing = open_objects(options, _with_something)
-    entries = [_entry(obj) for obj in objects]
-    entries += [{"name": name, "bake": None, "field": None, "error": no_object(name)} for name in missing]
+    open_scene(options)
+    scenes_of = scenes_of_objects()
+    if options.object is None:
+        objects, missing = [obj for obj in scenes_of if PROPERTY in obj or has_field(obj)], []
+    else:
+        objects, missing = named_objects(options.object, scenes_of)
+    several = len(bpy.data.scenes) > 1
+    entries = [_entry(obj) | ({"scene": scene.name} if several else {}) for obj in objects for scene in scenes_of[obj]]
+    missing = [{"name": name, "bake": None, "field": None, "error": no_object(name, scenes_of)} for name in missing]
     written = True
     if options.report is not None:
         written = write_report(
-            options.report, {"version": extension_version(), "scene": str(options.scene), "objects": entries}
+            options.report, {"version": extension_version(), "scene": str(options.scene), "objects": entries + missing}
         )
-    for entry in entries:
-        if entry["error"]:
-            print(f"Error: {entry['error']}", file=sys.stderr)
+    errors = list(dict.fromkeys(entry["error"] for entry in entries + missing if entry["error"]))
+    for error in errors:
+        print(f"Error: {error}", file=sys.stderr)
     if not options.quiet:
         head = ("object", "target", "bounces", "samples", "points", "mean AO", "field")
-        print_table(head, [_row(entry) for entry in entries if entry["name"] not in missing], sys.stdout)
-    return DONE if written and not any(entry["error"] for entry in entries) else NOT_ALL_DONE
-
-
-def _with_something() -> list[bpy.types.Object]:
-    """The objects of the view layer on which a bake left anything."""
-    return [obj for obj in bpy.context.view_layer.objects if PROPERTY in obj or has_field(obj)]
+        rows = [_row(entry) for entry in entries]
+        if several:
+            head, rows = ("scene", *head), [(entry["scene"], *row) for entry, row in zip(entries, rows, strict=True)]
+        print_table(head, rows, sys.stdout, names=1 + several)
+    return DONE if written and not errors else NOT_ALL_DONE
 
 
 def _entry(obj: bpy.types.Object) -> dict:

@@ -53,7 +53,7 @@ def bake_files(files: list[Path], options: argparse.Namespace) -> int:
         raise UsageError(f"--save {options.save}: several files are saved each in its place, so write --save alone")
     program = _program()
     if options.report is not None:
-        check_writable("--report", options.report, make=True)
+        check_writable("--report", options.report)
     reports, objects = [FileReport(str(file), error="was not begun") for file in files], []
     with TemporaryDirectory() as folder:
         children = [
@@ -64,6 +64,7 @@ def bake_files(files: list[Path], options: argparse.Namespace) -> int:
         _run(children, _shared_out(threads, min(options.jobs, len(files))), options)
         for child in children:
             objects += child.objects()
+    _tell_same_files(objects)
     seconds = time.perf_counter() - started
     written = options.report is None or write_report(
         options.report,
@@ -166,6 +167,23 @@ class _Child:
             return "is not done: " + "; ".join(errors) if errors else None
         last = next((line.strip() for line in reversed(lines) if line.strip()), "")
         return f"crashed ({_exit_text(code)}{': ' + last if last else ''}): bake it alone to see more"
+
+
+def _tell_same_files(objects: list[ObjectReport]) -> None:
+    """Set the error of those that wrote a file which an object of another .blend before them wrote, too."""
+    first: dict[str, ObjectReport] = {}
+    for report in objects:
+        if report.error:
+            continue
+        for output in filter(os.path.isabs, report.outputs):  # the others are names in the .blend
+            other = first.setdefault(os.path.normcase(output), report)
+            if other.file != report.file:
+                report.error = (
+                    f"Object '{report.name}' of '{report.file}' and '{other.name}' of '{other.file}' both wrote "
+                    f"'{output}': choose another Output in one of the files, or bake each in a call of its own with "
+                    "another --set output_directory=FOLDER"
+                )
+                break
 
 
 def _run(children: list[_Child], threads: list[int], options: argparse.Namespace) -> None:

@@ -5,33 +5,52 @@ from __future__ import annotations
 
 import argparse
 import sys
+from itertools import pairwise
+from typing import NoReturn
 
 import bpy
 
 from .command_files import UsageError
 from .command_scene import DONE, WRONG_USAGE
 
+# How what argparse says of missing files ends: with the names that the commands give them.
+MISSING = ("SCENE.blend", "PART.blend")
+
 
 def run(arguments: list[str]) -> int:
     """The command with its ``arguments``; returns the exit code."""
     try:
         options = _parser().parse_args(arguments)
+        return options.run(options)
     except SystemExit as wanted:  # argparse has printed the help or what is wrong
         return int(wanted.code or DONE)
-    try:
-        return options.run(options)
     except UsageError as error:
         print(f"multibounce_ao: {error}", file=sys.stderr)
         return WRONG_USAGE
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says where a file went that is missing."""
+
+    def parse_known_args(self, args=None, namespace=None):
+        self._given = list(args or ())
+        return super().parse_known_args(args, namespace)
+
+    def error(self, message: str) -> NoReturn:
+        """Raises UsageError where --save took the .blend, else SystemExit."""
+        for option, value in pairwise(self._given):
+            if option == "--save" and not value.startswith("-") and message.endswith(MISSING):
+                raise UsageError(f"--save took {value} as the name to save as: write the .blend first, or --save=NAME")
+        super().error(message)
 
 
 def _parser() -> argparse.ArgumentParser:
     # Here, with all that commands do: enabling the extension stays instant.
     from . import command_bake, command_field, command_fit, command_info, command_merge, command_world
 
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog="blender --command multibounce_ao",
-        description="Ambient occlusion, coloured as light is after many bounces.",
+        description="Ambient occlusion, colored as light is after many bounces.",
     )
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
     command_bake.add_to(commands)

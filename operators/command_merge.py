@@ -16,7 +16,7 @@ import numpy as np
 
 from .bake_record import baked_source, plug_recorded
 from .command_files import blend_files, keep
-from .command_scene import add_command, exit_code, no_object, open_objects, print_table
+from .command_scene import add_command, exit_code, named_objects, no_object, open_scene, print_table, scenes_of_objects
 from .images import check_image_names, keep_image, recorded_images
 from .mesh_reader import read, read_corner_vertices, read_positions
 from .names import CHANNELS, PROPERTY
@@ -59,7 +59,7 @@ def add_to(commands: argparse._SubParsersAction) -> None:
         "parts",
         metavar="PART.blend",
         nargs="+",
-        help="a file, or all files that a pattern such as 'part_*.blend' names",
+        help="a file, or all that a pattern such as 'part_*.blend' or '*/part.blend' names",
     )
 
 
@@ -67,9 +67,11 @@ def _merge(options: argparse.Namespace) -> int:
     started = time.perf_counter()
     scene = options.scene.resolve()
     parts = [part for part in map(Path.resolve, blend_files(options.parts)) if part != scene]
-    objects, missing = open_objects(options, lambda: bpy.context.view_layer.objects[:])
+    open_scene(options)
+    everything = list(scenes_of_objects())
+    objects, missing = (everything, []) if options.object is None else named_objects(options.object, everything)
     targets = _Targets(objects, are_all=options.object is None)
-    reports = [MergeReport(name, error=no_object(name)) for name in missing]
+    reports = [MergeReport(name, error=no_object(name, everything)) for name in missing]
     for part in parts:
         reports += targets.take_part(part)
     # With the parts closed again, and in the order of a bake: nodes and materials come out as one bake makes them.
@@ -80,12 +82,13 @@ def _merge(options: argparse.Namespace) -> int:
             obj[PROPERTY]["warnings"] = warnings
 
     kept = keep(options, reports, started)
-    _tell(reports, options, bool(targets.taken))
+    _tell(reports, options, targets)
     return exit_code(kept, reports)
 
 
 class _Targets:
-    """The objects that bakes are taken to. ``taken`` has the reports of those that got theirs."""
+    """The objects that bakes are taken to. ``taken`` has the reports of those that got theirs, ``there_already`` the
+    names of those that had them."""
 
     def __init__(self, objects: list[bpy.types.Object], are_all: bool):
         """``are_all``: a bake of an object that is not among them is an error."""
@@ -93,6 +96,7 @@ class _Targets:
         self._are_all = are_all
         self._before = {obj.name: _record(obj) for obj in objects}
         self.taken: dict[str, MergeReport] = {}
+        self.there_already: set[str] = set()
 
     def take_part(self, part: Path) -> list[MergeReport]:
         """Store what was baked in ``part``: all but the nodes; a report each."""
@@ -111,13 +115,16 @@ class _Targets:
         if source.name not in self._objects:
             return self._are_all
         before = self._before[source.name]
-        return not before or before != _record(source)  # else the part has it from this file
+        if before and before == _record(source):  # the part has it from this file, or this file from the part
+            self.there_already.add(source.name)
+            return False
+        return True
 
     def _take(self, source: bpy.types.Object, report: MergeReport) -> None:
         name = source.name
         try:
             if name not in self._objects:
-                raise BakeError(f"is baked in '{report.part}': {no_object(name)}")
+                raise BakeError(f"is baked in '{report.part}': {no_object(name, self._objects.values())}")
             if name in self.taken:
                 first = self.taken[name].part
                 raise BakeError(f"was baked in both '{first}' and '{report.part}': leave one of them out")
@@ -184,7 +191,7 @@ def _same_surface(obj: bpy.types.Object, other: bpy.types.Object, uv_map: str | 
     return np.array_equal(*uvs)
 
 
-def _tell(reports: list[MergeReport], options: argparse.Namespace, taken: bool) -> None:
+def _tell(reports: list[MergeReport], options: argparse.Namespace, targets: _Targets) -> None:
     """Print on stderr what cannot be missed, then all in a table."""
     for report in reports:
         if report.error:
@@ -192,8 +199,11 @@ def _tell(reports: list[MergeReport], options: argparse.Namespace, taken: bool) 
     if options.quiet:
         return
     rows = [(report.name, report.part, "failed" if report.error else report.target) for report in reports]
-    print_table(("object", "from", "target"), rows, sys.stderr)
+    if rows:
+        print_table(("object", "from", "target"), rows, sys.stderr)
+    there = len(targets.there_already - targets.taken.keys())
+    already = f"{there} {'is' if there == 1 else 'are'} there already, " if there else ""
     failed = sum(report.error is not None for report in reports)
-    print(f"{len(reports) - failed} taken over, {failed} failed", file=sys.stderr)
-    if taken and options.save is None:
+    print(f"{len(reports) - failed} taken over, {already}{failed} failed", file=sys.stderr)
+    if targets.taken and options.save is None:
         print("The .blend was not saved: add --save to keep the bakes in it", file=sys.stderr)

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from fnmatch import fnmatchcase
 from pathlib import Path
 
@@ -42,7 +43,10 @@ def add_command(
     )
     if several:
         command.add_argument(
-            "files", metavar="SCENE.blend", nargs="+", help="a file, or all that a pattern such as 'shot_*.blend' names"
+            "files",
+            metavar="SCENE.blend",
+            nargs="+",
+            help="a file, or all that a pattern such as 'shot_*.blend' or '*/lit.blend' names",
         )
     else:
         command.add_argument("scene", metavar="SCENE.blend", type=Path)
@@ -54,8 +58,8 @@ def add_command(
             metavar="PROPERTY=VALUE",
             action="append",
             default=[],
-            help="change a setting of scene.multibounce_ao, such as samples=64 or target=TEXTURE, also for objects and "
-            "collections that override it; may be given again",
+            help="use this setting of scene.multibounce_ao in this run, such as samples=64 or target=TEXTURE, also for "
+            "objects and collections that override it; --save keeps the scene's own; may be given again",
         )
     if changes:
         command.add_argument(
@@ -71,15 +75,16 @@ def add_command(
 
 
 def open_scene(options: argparse.Namespace) -> bpy.types.Scene:
-    """Open the .blend and change its settings as asked; returns its scene. Raises UsageError."""
+    """Open the .blend; returns its scene. Raises UsageError."""
     (scene,) = open_scenes(options, None)
     return scene
 
 
 def open_scenes(options: argparse.Namespace, patterns: list[str] | None) -> list[bpy.types.Scene]:
-    """Open the .blend and change the settings of those scenes that ``patterns`` name, or of its active one; returns
-    these. Raises UsageError."""
+    """Open the .blend; returns those of its scenes that ``patterns`` name, or its active one. Raises UsageError."""
     path = options.scene
+    if path.is_dir():
+        raise UsageError(f"'{path}' is a folder: name a .blend in it")
     if not path.is_file():
         raise UsageError(f"there is no file '{path}'")
     begin_files(options)
@@ -88,10 +93,7 @@ def open_scenes(options: argparse.Namespace, patterns: list[str] | None) -> list
     except RuntimeError as error:
         reason = str(error).strip().removeprefix("Error: ")
         raise UsageError(f"'{path}' cannot be opened: {reason}") from None
-    scenes = [bpy.context.scene] if patterns is None else _named_scenes(patterns)
-    for scene in scenes:
-        _change_settings(scene, options)
-    return scenes
+    return [bpy.context.scene] if patterns is None else _named_scenes(patterns)
 
 
 def _named_scenes(patterns: list[str]) -> list[bpy.types.Scene]:
@@ -107,24 +109,39 @@ def _named_scenes(patterns: list[str]) -> list[bpy.types.Scene]:
     return list(found)
 
 
-def _change_settings(scene: bpy.types.Scene, options: argparse.Namespace) -> None:
-    for assignment in options.set:
-        name, separator, value = assignment.partition("=")
-        if not separator:
-            raise UsageError(f"--set {assignment}: write it as PROPERTY=VALUE")
-        try:
-            set_from_text(scene.multibounce_ao, name, value)
-        except ValueError as error:
-            raise UsageError(f"--set {assignment}: {error}") from None
+@contextmanager
+def given_settings(scene: bpy.types.Scene, options: argparse.Namespace) -> Iterator[None]:
+    """``scene`` has the settings that --set gives, for a copy to be made of them; at the end it has its own again, and
+    those are saved. Raises UsageError."""
+    settings = scene.multibounce_ao
+    names = names_set(options) & set(settings.bl_rna.properties.keys())
+    own = {name: getattr(settings, name) for name in names if settings.is_property_set(name)}
+    try:
+        for assignment in options.set:
+            name, separator, value = assignment.partition("=")
+            if not separator:
+                raise UsageError(f"--set {assignment}: write it as PROPERTY=VALUE")
+            try:
+                set_from_text(settings, name, value)
+            except ValueError as error:
+                raise UsageError(f"--set {assignment}: {error}") from None
+        yield
+    finally:
+        for name in names:
+            if name in own:
+                setattr(settings, name, own[name])
+            else:
+                settings.property_unset(name)
 
 
-def open_objects(
-    options: argparse.Namespace, usual: Callable[[], list[bpy.types.Object]]
-) -> tuple[list[bpy.types.Object], list[str]]:
-    """Open the .blend as :func:`open_scene` does; returns what --object names and the patterns that name nothing, or
-    else the ``usual`` objects. Raises UsageError."""
-    open_scene(options)
-    return (usual(), []) if options.object is None else named_objects(options.object)
+def scenes_of_objects() -> dict[bpy.types.Object, list[bpy.types.Scene]]:
+    """By object, the scenes of the .blend that have it; in the order in which a bake of all scenes takes them."""
+    found: dict[bpy.types.Object, list[bpy.types.Scene]] = {}
+    for scene in bpy.data.scenes:
+        layer = bpy.context.view_layer if scene == bpy.context.scene else scene.view_layers[0]
+        for obj in dict.fromkeys([*layer.objects, *scene.objects]):
+            found.setdefault(obj, []).append(scene)
+    return found
 
 
 def exit_code(kept: bool, reports: Iterable[AnyReport]) -> int:
@@ -137,21 +154,28 @@ def names_set(options: argparse.Namespace) -> set[str]:
     return {assignment.partition("=")[0] for assignment in options.set}
 
 
-def no_object(name: str) -> str:
-    """What to say where the view layer has no object ``name``."""
-    meshes = ", ".join(f"'{obj.name}'" for obj in bpy.context.view_layer.objects if obj.type == "MESH")
-    return f"There is no object '{name}' in the view layer: choose among {meshes or 'none, it has no mesh'}"
+def no_object(name: str, objects: Iterable[bpy.types.Object] | None = None) -> str:
+    """What to say where the view layer has no object ``name``, or else none of ``objects``, all of the .blend."""
+    where = "view layer" if objects is None else ".blend"
+    objects = bpy.context.view_layer.objects if objects is None else objects
+    meshes = ", ".join(f"'{obj.name}'" for obj in objects if obj.type == "MESH")
+    return f"There is no object '{name}' in the {where}: choose among {meshes or 'none, it has no mesh'}"
 
 
-def named_objects(patterns: Iterable[str]) -> tuple[list[bpy.types.Object], list[str]]:
-    """The objects of the view layer that ``patterns`` name, each once, and the patterns that name none.
+def named_objects(
+    patterns: Iterable[str], among: Iterable[bpy.types.Object] | None = None
+) -> tuple[list[bpy.types.Object], list[str]]:
+    """The objects of the view layer, or ``among`` others, that ``patterns`` name, each once, and the patterns that name
+    none.
 
     A pattern is a name, or else it names all meshes that it matches: * stands for any letters, ? for one.
     """
-    objects, found, missing = bpy.context.view_layer.objects, {}, []
+    objects = {obj.name: obj for obj in (bpy.context.view_layer.objects if among is None else among)}
+    meshes = [obj for obj in objects.values() if obj.type == "MESH"]
+    found, missing = {}, []
     for pattern in patterns:
         exact = objects.get(pattern)
-        named = [exact] if exact else [obj for obj in objects if obj.type == "MESH" and fnmatchcase(obj.name, pattern)]
+        named = [exact] if exact else [obj for obj in meshes if fnmatchcase(obj.name, pattern)]
         found.update(dict.fromkeys(named))
         if not named and pattern not in missing:
             missing.append(pattern)

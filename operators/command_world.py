@@ -9,7 +9,7 @@ import time
 from dataclasses import asdict, dataclass, field
 
 from .command_files import UsageError, keep
-from .command_scene import add_command, exit_code, open_scene
+from .command_scene import add_command, exit_code, given_settings, open_scene
 from .project_world import project_world, summary
 from .report import BakeError
 
@@ -47,7 +47,8 @@ def _project(options: argparse.Namespace) -> int:
         raise UsageError(f"--object {options.object[0]}: a World belongs to the scene: leave --object out")
     report = WorldReport(scene.world.name if scene.world is not None else "")
     try:
-        project_world(scene)
+        with given_settings(scene, options):  # none of them matters to a World, but a wrong one is told
+            project_world(scene)
     except BakeError as error:
         report.error = str(error)
     report.seconds = round(time.perf_counter() - started, 3)

@@ -14,6 +14,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from .map_owner import blend_name
 from .names import (
     AO_MAP,
     BENT_CONE,
@@ -122,6 +123,7 @@ def file_metadata(obj: bpy.types.Object, channel: str, uv_map: str, settings: Ba
     version = extension_version()
     told = {
         "version": version,
+        "blend": blend_name(),
         "object": obj.name,
         "uv_map": uv_map,
         "channels": dict(zip("RGBA", MEANINGS[channel], strict=False)),

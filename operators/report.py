@@ -19,8 +19,8 @@ class BakeError(Exception):
 @dataclass
 class ObjectReport:
     """The bake of one object; ``error`` is None where it was done. The JSON report lists these fields, but for
-    ``memory``, the bytes that images take while they are baked, and for ``file`` and ``scene``, where it is, where
-    there is one of these alone."""
+    ``memory``, the bytes that images take while they are baked, for ``file`` and ``scene``, where it is, where there is
+    one of these alone, and for ``left``, where it was baked now: else that is True, and the bake is an earlier one."""
 
     name: str
     target: str
@@ -35,6 +35,7 @@ class ObjectReport:
     memory: float = 0.0
     file: str | None = None
     scene: str | None = None
+    left: bool | None = None
 
     @property
     def note(self) -> str:
@@ -66,7 +67,7 @@ class ObjectReport:
             )
 
     def as_dict(self) -> dict:
-        left_out = {"memory", *(name for name in ("file", "scene") if getattr(self, name) is None)}
+        left_out = {"memory", *(name for name in ("file", "scene", "left") if getattr(self, name) is None)}
         return {name: value for name, value in asdict(self).items() if name not in left_out}
 
 

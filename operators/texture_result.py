@@ -15,6 +15,7 @@ from ..core.exr import write_exr
 from ..core.whole_files import whole_files
 from .derived_maps import colour_space, derive, extension, write_map
 from .images import UDIM, file_metadata, file_path, image_channels, map_names, store_file, store_image
+from .map_owner import blend_name, map_owner
 from .names import CHANNELS
 from .settings import BakeSettings
 
@@ -45,6 +46,20 @@ class TextureResult:
         stored = self._write_files(names, Path(self.folder)) if self.folder else self._pack(names)
         self.tiles.clear()
         return stored
+
+    def replaces(self) -> list[str]:
+        """Warnings of files that :meth:`write` is going to replace though the bake of another .blend left them. No
+        error: that may be an earlier version of this one."""
+        if not self.folder:
+            return []
+        names = image_channels(self.settings)
+        files = [self._of_tile(self._path(name, Path(self.folder)), number) for name in names for number in self.tiles]
+        owners = dict.fromkeys(map(map_owner, files))
+        return [
+            f"Replaced the map of '{name}' in '{blend}': give one of them another output folder"
+            for blend, name in owners
+            if blend not in ("", blend_name())
+        ]
 
     def _pack(self, names: tuple[str, ...]) -> list[str]:
         with TemporaryDirectory() as folder:

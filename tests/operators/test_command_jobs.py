@@ -51,6 +51,8 @@ if name.startswith("slow"):
 time.sleep(0.2)
 one = {"name": name, "target": "VERTEX", "points": 4, "samples": 8, "rays": 32, "seconds": 0.5,
        "f0": {"min": 0.5, "mean": 0.75, "max": 1.0}, "outputs": [], "warnings": ["Odd"], "error": None}
+if name.startswith("same"):
+    one["outputs"] = ["Packed", os.path.join(os.path.dirname(log), "same.exr")]
 if name.startswith("object"):
     one["error"] = "Object 'object' has no faces"
     print("Error: " + one["error"], file=sys.stderr)
@@ -162,6 +164,20 @@ def test_each_way_to_fail_is_named(fake, tmp_path, capsys):
     assert lines[-1].startswith("3 baked, 1 failed, 3 of 6 files failed, in ")
 
 
+def test_two_files_that_write_one_map(fake, tmp_path, capsys):
+    """What they pack may have one name."""
+    files = fake("same", "good", "same2")
+    report = gathered(tmp_path, *files, code=1)
+    first, _, later = [entry["error"] for entry in report["objects"]]
+    assert first is None
+    assert later == (
+        f"Object 'same2' of '{files[2]}' and 'same' of '{files[0]}' both wrote '{tmp_path / 'same.exr'}': choose "
+        "another Output in one of the files, or bake each in a call of its own with another --set "
+        "output_directory=FOLDER"
+    )
+    assert "2 baked, 1 failed, 0 of 3 files failed" in capsys.readouterr().err
+
+
 def test_jobs_run_side_by_side_and_share_the_threads(fake, tmp_path):
     files = fake("a", "b", "c", "d", "e")
     passed_on = ["--share", "1/2", "--scene", "S", "--resume"]
@@ -213,6 +229,33 @@ def test_progress_goes_to_a_terminal_alone(fake, tmp_path, capsys, monkeypatch):
         assert ("Multibounce AO: 2 of 2" in capsys.readouterr().err) == terminal
     assert run("bake", *files, "--quiet") == 1
     assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+def test_patterns_in_every_part_of_a_path(scene, tmp_path, monkeypatch):
+    found = operators("command_files").blend_files
+    wrong = operators("command_files").UsageError
+    for name in ("n1/a.blend", "n1/b.txt", "n2/a.blend", "n2/below/c.blend", "shots [v1]/n1/d.blend"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).touch()
+
+    for start in ("", f"{tmp_path}/"):
+        monkeypatch.chdir(tmp_path)
+
+        def names(*patterns, start=start):
+            files = found([start + pattern for pattern in patterns])
+            return [str(file).removeprefix(start) for file in files]
+
+        assert names("n?/*.blend") == ["n1/a.blend", "n2/a.blend"]
+        assert names("n2/a.blend", "n*/a.blend") == ["n2/a.blend", "n1/a.blend"]
+        assert names("n?/**/*.blend") == ["n1/a.blend", "n2/a.blend", "n2/below/c.blend"]
+        assert names("shots [v1]/n?/*.blend") == names("shots [v1]/n1/d.blend") == ["shots [v1]/n1/d.blend"]
+        for folder in ("n1", "n?", "shots [v1]"):
+            with pytest.raises(wrong) as told:
+                names(folder)
+            assert str(told.value) == f"'{start}{folder}' is a folder: write '{start}{folder}/*.blend'"
+        for nothing in ("n3/*.blend", "n3", "n1/a.blend/*"):
+            with pytest.raises(wrong, match="there is no file"):
+                names(nothing)
 
 
 def test_wrong_usage(fake, tmp_path, capsys):

@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 import pytest
 
-from .bakes import f0
+from .bakes import f0, operators
 from .commands import reported, run, save_several
 
 OBJECT_KEYS = {"name", "target", "points", "samples", "rays", "seconds", "f0", "outputs", "warnings", "error"}
@@ -114,7 +114,7 @@ def test_output_folder_that_cannot_be_written(blend, capsys):
     assert "choose another folder" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("to", ["", "new.blend"])
+@pytest.mark.parametrize("to", ["", "new.blend", "made/for/it.blend"])
 def test_save(blend, to, tmp_path):
     before = blend.read_bytes()
     target = tmp_path / to if to else blend
@@ -165,7 +165,39 @@ def test_settings_of_the_file_hold_where_none_is_given(blend, tmp_path):
 )
 def test_set(blend, text, name, value):
     assert run("bake", blend, "--quiet", "--set", text) == 0
-    assert getattr(bpy.context.scene.multibounce_ao, name) == value
+    assert bpy.data.objects["Floor"]["multibounce_ao"][name] == value
+    assert not bpy.context.scene.multibounce_ao.is_property_set(name)
+
+
+@pytest.mark.parametrize("command", ["bake", "field", "fit", "world"])
+def test_set_holds_for_one_run(blend, command, monkeypatch):
+    """What is saved has the scene's own settings, at a checkpoint too."""
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    own = bpy.context.scene.multibounce_ao
+    own.samples, own.occluders, own.height_map = 8, "SELF", bpy.data.images.new("Hills", 4, 4)
+    bpy.context.view_layer.objects.active = bpy.data.objects["Floor"]
+    for vertex in bpy.data.objects["Floor"].data.vertices:
+        vertex.co.z = 0.5 * (vertex.index % 2)  # a relief that can be fitted
+    bpy.context.scene.world = bpy.data.worlds.new("Sky")
+    bpy.ops.wm.save_mainfile()
+    saves = []
+
+    def seen(scene):
+        found = scene.multibounce_ao
+        return found.samples, found.occluders, found.height_map, found.is_property_set("seed")
+
+    def save(name):
+        saves.append(seen(bpy.context.scene))
+        return True
+
+    for module in ("command_bake", "command_files"):
+        monkeypatch.setattr(operators(module), "save_scene", save)
+    given = [part for text in ("samples=4", "occluders=VISIBLE", "height_map=", "seed=2") for part in ("--set", text)]
+    more = ["--checkpoint", "1e-9"] if command == "bake" else []
+    assert run(command, blend, "--quiet", *given, "--save", *more) == 0
+    assert saves == [(8, "SELF", bpy.data.images["Hills"], False)] * (2 if command == "bake" else 1)
+    if command == "bake":
+        assert bpy.data.objects["Floor"]["multibounce_ao"]["samples"] == 4
 
 
 @pytest.mark.parametrize(
@@ -212,6 +244,19 @@ def test_wrong_usage(blend, tmp_path, capsys):
         error = capsys.readouterr().err
         assert error.strip()
         assert "Traceback" not in error
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [["bake", "--save", "a.blend"], ["fit", "--save", "a.blend"], ["merge", "--save", "a.blend", "b.blend"]],
+)
+def test_a_file_that_save_took(extension, arguments, capsys):
+    assert run(*arguments) == 2
+    told = "--save took a.blend as the name to save as: write the .blend first, or --save=NAME"
+    assert capsys.readouterr().err == f"multibounce_ao: {told}\n"
+    for others in (["--save=a.blend"], ["--save"], ["--save", "a.blend", "--jobs", "none", "b.blend"]):
+        assert run("bake", *others) == 2
+        assert "--save took" not in capsys.readouterr().err
 
 
 def test_scene_without_a_mesh(tmp_path, capsys):

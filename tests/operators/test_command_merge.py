@@ -69,7 +69,7 @@ def left_in(path):
 
 
 @pytest.mark.parametrize("kind", ["vertices", "packed", "files"])
-def test_merged_shares_are_the_bake_of_all(blend, kind, tmp_path):
+def test_merged_shares_are_the_bake_of_all(blend, kind, tmp_path, capsys):
     def prepare(objects):
         if kind == "vertices":
             return
@@ -86,7 +86,10 @@ def test_merged_shares_are_the_bake_of_all(blend, kind, tmp_path):
     assert contents(tmp_path / "maps") == files and len(files) == (12 if kind == "files" else 0)
     assert set(merge(blend, parts)) == {"Floor", "Twin", "Roof", "Pit"} | ({"Crate"} if kind == "vertices" else set())
     assert differences(left_in(whole), left_in(blend)) == []
-    assert merge(blend, parts) == {}  # all of it is there already
+    capsys.readouterr()
+    assert merge(blend, parts) == {}
+    there = 5 if kind == "vertices" else 4
+    assert capsys.readouterr().err == f"0 taken over, {there} are there already, 0 failed\n"
     assert {entry["rays"] for entry in reported(blend, "--resume")["objects"]} == {0}
 
 
@@ -121,8 +124,9 @@ def test_what_cannot_be_taken_is_named_and_the_rest_is_taken(blend, tmp_path, ca
 
 def test_wrong_usage(blend, tmp_path, capsys):
     assert run("merge", blend, tmp_path / "nothing_*.blend") == 2
-    assert run("merge", blend, "/") == 2
     assert "there is no file" in capsys.readouterr().err
+    assert run("merge", tmp_path, blend) == 2
+    assert f"'{tmp_path}' is a folder: name a .blend in it" in capsys.readouterr().err
     for share in ("0/2", "3/2", "half", "1/2/3", "-1/2"):
         assert run("bake", blend, f"--share={share}") == 2
         assert "write it as I/N" in capsys.readouterr().err

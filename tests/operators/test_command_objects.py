@@ -34,7 +34,7 @@ def test_collections(blend):
 
 
 @pytest.mark.parametrize("target", ["VERTEX", "TEXTURE"])
-def test_resume_leaves_what_is_baked_already(blend, target, tmp_path):
+def test_resume_leaves_what_is_baked_already(blend, target, tmp_path, capsys):
     settings = ["--set", f"target={target}", "--set", "resolution=8", "--set", "samples=16", "--save"]
     settings += ["--set", f"output_directory={tmp_path / 'maps'}"]
     common = [*settings, "--object", "Floor", "--object", "Far", "--resume"]
@@ -55,10 +55,15 @@ def test_resume_leaves_what_is_baked_already(blend, target, tmp_path):
 
     first = rays()
     assert min(first.values()) > 0
+    assert "2 baked, 0 failed, in " in capsys.readouterr().err
     again = reported(blend, *common)["objects"]
     assert [entry["rays"] for entry in again] == [0, 0]
     assert [entry["points"] * 16 for entry in again] == list(first.values())
-    assert all(entry["f0"] and entry["outputs"] and "already" in entry["warnings"][-1] for entry in again)
+    assert all(entry["f0"] and entry["outputs"] and entry["left"] for entry in again)
+    lines = capsys.readouterr().err.splitlines()
+    assert not any(line.startswith("Warning") for line in lines)
+    assert [line.split()[-3:] for line in lines[1:3]] == [["as", "it", "was"]] * 2
+    assert lines[3].startswith("0 baked, 2 left as they are, 0 failed, in ") and len(lines) == 4
     assert rays("--set", "seed=1") == first  # other settings
     assert set(rays("--set", "seed=1").values()) == {0}
     change(lambda objects: setattr(objects["Far"], "location", (0, 0, 51)))  # disabled in renders: it blocks nothing
@@ -133,3 +138,32 @@ def test_a_hundred_objects_with_seven_that_are_broken(scene, tmp_path, capsys):
     assert error.count("Error: ") == 7
     bpy.ops.wm.open_mainfile(filepath=str(blend))
     assert sum("multibounce_ao" in obj for obj in bpy.data.objects) == 93
+
+
+def test_resume_leaves_twins(scene, tmp_path, capsys):
+    """Objects that share a mesh; but not one that came to it since."""
+    add("Twin", plate("Floor").data, location=(9, 0, 0))
+    path = tmp_path / "scene.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    common = ["--set", "samples=4", "--resume", "--save"]
+    reported(path, *common)
+    assert [entry.get("left") for entry in reported(path, *common)["objects"]] == [True, True]
+    add("Third", bpy.data.objects["Floor"].data, location=(0, 0, -99)).hide_render = True
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    entries = reported(path, *common, "--object", "Floor", "--object", "Third")["objects"]
+    assert [entry.get("left") for entry in entries] == [True, None]
+    assert "1 baked, 1 left as they are, 0 failed" in capsys.readouterr().err
+
+
+def test_a_warning_that_many_have_is_printed_once(scene, tmp_path, capsys):
+    for index in range(4):
+        plate(f"Floor {index}", steps=1, location=(3 * index, 0, 0))
+    for vertex in plate("Broken", steps=1).data.vertices:
+        vertex.co.x = float("nan")
+    path = tmp_path / "scene.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    entries = reported(path, "--set", "samples=4", "--object", "Floor *")["objects"]
+    (warning,) = entries[0]["warnings"]
+    assert all(entry["warnings"] == [warning] for entry in entries)
+    warnings = [line for line in capsys.readouterr().err.splitlines() if line.startswith("Warning: ")]
+    assert warnings == [f"Warning: 4 objects ('Floor 0', 'Floor 1', 'Floor 2', ...): {warning}"]

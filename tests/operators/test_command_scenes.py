@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`blender --command multibounce_ao bake --scene NAME`: several scenes of one .blend, each as if it were alone."""
 
+import json
+
 import bpy
 import numpy as np
 import pytest
@@ -89,6 +91,24 @@ def test_names_patterns_and_settings_that_are_given(blend):
     assert report["objects"][0]["rays"]
     report = reported(blend, "--all-scenes", "--resume", "--object", "Str*")
     assert not report["objects"][0]["rays"]
+
+
+def test_info_and_merge_know_all_scenes(blend, capsys, tmp_path):
+    for share in ("1/2", "2/2"):
+        part = tmp_path / f"part {share[0]}.blend"
+        assert run("bake", blend, "--all-scenes", "--quiet", "--share", share, "--save", part) == 0
+    assert run("merge", blend, tmp_path / "part *.blend", "--object", "Roof", "--save") == 0
+    assert run("merge", blend, tmp_path / "part *.blend", "--save") == 0
+    capsys.readouterr()
+    assert run("info", blend, "--report", tmp_path / "info.json") == 0
+    lines = [line.split()[:3] for line in capsys.readouterr().out.splitlines() if "blend" not in line]
+    expected = [["Day", "Floor"], ["Night", "Street"], ["Night", "Roof"]]
+    assert lines == [["scene", "object", "target"], *([*each, "VERTEX"] for each in expected)]
+    entries = json.loads((tmp_path / "info.json").read_text(encoding="utf-8"))["objects"]
+    assert [[entry["scene"], entry["name"]] for entry in entries] == expected
+    assert run("info", blend, "--object", "Nobody") == 1
+    told = capsys.readouterr().err
+    assert "Error: There is no object 'Nobody' in the .blend: choose among 'Floor', 'Street', 'Roof'" in told
 
 
 def test_what_two_scenes_share_shows_the_last_bake(scene, tmp_path, capsys):
