@@ -29,10 +29,11 @@ from .workers import Workers, slices
 
 # Rays in flight a thread, few enough for the cache. Fixed, because results must not depend on the machine.
 RAYS_PER_BLOCK = 2**15
-# Places prepared and summed up at once. Numpy calls between traced blocks would each find the
-# cache full of Embree's tree, so what needs many calls is done for many blocks together, in chunks.
-PLACES_PER_WINDOW = 2**18
-PLACES_PER_CHUNK = 2**13
+# Places prepared and summed up at once, about 50 MB. Numpy calls between traced blocks would each find the cache full
+# of Embree's tree, so what needs many calls is done for many blocks together, in chunks: large ones, because threads
+# that are done with a call sooner wait for Python's lock more often.
+PLACES_PER_WINDOW = 2**19
+PLACES_PER_CHUNK = 2**15
 # Rays of a place in the dark that look whether it is inside of something.
 PROBES = 8
 # Multiplications of a matrix product up to which OpenBLAS stays in the calling thread; the others have work already.
