@@ -34,8 +34,8 @@ from .texture_result import TextureResult, Tile
 from .tracer import Tracer
 from .uv_layout import check_layout, expected_texels, overlaps, touched_tiles
 
-# Texels whose channels a thread computes together.
-TEXELS_PER_PART = 2**15
+# Texels whose channels a thread computes together: so few that OpenBLAS wakes no threads for their products.
+TEXELS_PER_PART = 2**14
 # What finding a place of a texel takes, in rays; only what is told of the progress depends on it.
 RAYS_BEFORE = 0.5
 
