@@ -87,7 +87,7 @@ def beside_a_bake():
 def cost_of_the_window(folder):
     """The same bake in the window and blocking, in turns; and the time left that is told after a tenth."""
     monkey = subdivided(3)
-    change_settings(target="VERTEX", samples=128)
+    change_settings(target="VERTEX", samples=1024)
     yield 2.0
     cpu = time.process_time()
     yield 3.0

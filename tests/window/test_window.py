@@ -156,5 +156,7 @@ def test_cost_of_the_window(scene):
     for kind, unit in (("", "s"), (" cpu", "s of all processors, with the window's own")):
         modal, blocking = scene["seconds"]["modal" + kind], scene["seconds"]["blocking" + kind]
         print(f"in the window {modal:.2f}, blocking {blocking:.2f} {unit}: {modal / blocking:.2f}")
+    own = scene["seconds"]["modal cpu"] - scene["idle_cpu"] * scene["seconds"]["modal"]
     print(f"an idle window takes {scene['idle_cpu']:.2f} s of the processors a second")
+    print(f"without that the bake in the window takes {own / scene['seconds']['blocking cpu']:.2f} of a blocking one")
     print("time left told after a tenth, over what it took:", scene["told_over_true"])
