@@ -7,10 +7,9 @@ import bpy
 
 from .field_receivers import RECEIVES, clear_fields
 from .images import images_of_only
-from .names import PROPERTY
+from .names import ALL_CHANNELS, PROPERTY
 from .object_materials import mesh_is_baked, unplug_images, unplug_objects
 from .poll import object_mode_with
-from .vertex_target import remove_attributes
 
 
 def clear_bake(objects: list[bpy.types.Object]) -> None:
@@ -27,12 +26,19 @@ def _clear_maps(objects: list[bpy.types.Object]) -> None:
     unplug_objects(objects)
     for obj in objects:
         if PROPERTY in obj and not mesh_is_baked(obj.data, cleared):
-            remove_attributes(obj.data)
+            _remove_attributes(obj.data)
     unplug_images(images)
     for image in images:
         bpy.data.images.remove(image)
     for obj in objects:
         obj.pop(PROPERTY, None)
+
+
+def _remove_attributes(mesh: bpy.types.Mesh) -> None:
+    for name in ALL_CHANNELS:
+        attribute = mesh.attributes.get(name)
+        if attribute is not None:
+            mesh.attributes.remove(attribute)
 
 
 class MULTIBOUNCE_AO_OT_clear(bpy.types.Operator):

@@ -16,7 +16,6 @@ from .modal import LongOperator
 from .poll import nothing_runs
 from .progress import Progress, drive
 from .version import extension_version
-from .world_radiance import world_coefficients
 
 # Each rendering in the window is to be short, since Blender draws nothing else meanwhile; each takes its time to begin.
 STRIPS = 4
@@ -99,6 +98,8 @@ class MULTIBOUNCE_AO_OT_add_world_light(bpy.types.Operator):
 def projecting(scene: bpy.types.Scene, strips: int) -> Generator[Progress, None, bpy.types.Scene]:
     """Store the light of the World of ``scene`` on it, which is returned, and show it in the node groups of the file.
     ``strips`` as for :func:`.world_radiance.world_coefficients`. Raises BakeError, and then nothing has changed."""
+    from .world_radiance import world_coefficients  # here, with much of core: enabling the extension stays instant
+
     name, frame = scene.world.name if scene.world is not None else "", scene.frame_current
     work = world_coefficients(scene, strips)
     red, green, blue = (yield from mapped(work, lambda done: Progress(done, name))).T.tolist()

@@ -18,7 +18,7 @@ from ..core.surface import Surface, extent_of, unit
 from ..core.workers import mapped
 from .high_to_low import ProjectionSource
 from .mesh_reader import MeshArrays, linear_inverse, read_corner_vertices, read_face_starts, read_mesh, to_world
-from .names import ALL_CHANNELS, CHANNELS
+from .names import CHANNELS
 from .nearest_point import nearest_points
 from .preview import VertexPicture, nearest_shown
 from .progress import STARTED
@@ -258,11 +258,3 @@ def write_attribute(mesh: bpy.types.Mesh, name: str, domain: str, values: NDArra
     attribute.data.foreach_set("color", np.ascontiguousarray(values, np.float32).ravel())
     attributes.active_color_name, attributes.default_color_name = active, default
     mesh.update()
-
-
-def remove_attributes(mesh: bpy.types.Mesh) -> None:
-    """Take back what a bake stored on ``mesh``."""
-    for name in ALL_CHANNELS:
-        attribute = mesh.attributes.get(name)
-        if attribute is not None:
-            mesh.attributes.remove(attribute)
