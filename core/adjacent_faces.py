@@ -42,9 +42,9 @@ class AdjacentFaces:
         reach = margin + 2.0
         wanted = _near_open(near * scale, covered, reach)
         # Each (s, 3 corners, 2): the two ends, and the corner that lies inside.
-        self._near, self._far = near[wanted] * scale, far[wanted] * scale
-        length = np.linalg.norm(self._near[:, 1] - self._near[:, 0], axis=1)
-        first, last = _within(self._near[:, 0], self._near[:, 1], -reach, scale + reach)
+        near, far = near[wanted] * scale, far[wanted] * scale
+        length = np.linalg.norm(near[:, 1] - near[:, 0], axis=1)
+        first, last = _within(near[:, 0], near[:, 1], -reach, scale + reach)
         step = max(1.0, (np.maximum(last - first, 0.0) * length).sum() / MOST_POINTS)
         steps = np.ceil(length / step)
         start = np.floor(first * steps).astype(np.intp)
@@ -53,13 +53,13 @@ class AdjacentFaces:
         along = np.arange(len(self._seam)) + np.repeat(start - (np.cumsum(count) - count), count)
         # Where seams meet, the points of each lie a hair away from there: of two, the one that is faced is nearer.
         along = np.clip(along / np.maximum(steps, 1.0)[self._seam], HAIR, 1.0 - HAIR)
-        start, end = self._near[self._seam, 0], self._near[self._seam, 1]
+        start, end = near[self._seam, 0], near[self._seam, 1]
         # A hair inwards: of two seams that meet at one place, the one that is faced.
         points = start + along[:, None] * (end - start)
-        points += 1e-3 * (self._near.mean(axis=1)[self._seam] - points)
+        points += HAIR * (near.mean(axis=1)[self._seam] - points)
         # Built fast: it is asked for little more than the texels next to islands.
         self._tree = cKDTree(points, balanced_tree=False, compact_nodes=False) if len(points) else None
-        self._across = _across(self._near, self._far)
+        self._across = _across(near, far)
 
     def nearest(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.intp]:
         """The seam (k,), or border of the surface itself, that is nearest to the places ``x``, ``y`` (k,), in texels,
