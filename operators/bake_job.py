@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import time
 import traceback
-from collections.abc import Callable, Collection, Generator
+from collections.abc import Collection, Generator
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
@@ -21,7 +21,6 @@ from tempfile import gettempdir
 import bpy
 import numpy as np
 
-from ..core.rays import Occluders
 from ..core.workers import in_thread, mapped
 from .bake_record import baked_fingerprint, baked_source, record_bake, tell_of_record
 from .base_color import read_own_albedo
@@ -99,7 +98,7 @@ def bake(
         preview.objects = len(objects)
         # Not where one has a scene of its own, which would be built twice.
         if len(objects) > 1 and sources is None and all(each.occluders != "SELF" for each in settings_of):
-            yield from _sketches(context, dict(zip(objects, settings_of, strict=True)), scenes, threads, count, preview)
+            yield from _sketches(context, {obj: own[obj] for obj in objects}, scenes, threads, count, preview)
     ends = _ends(objects, settings_of)
     for obj, chosen, report, begin, end in zip(objects, settings_of, reports, [0.0, *ends], ends, strict=False):
 
@@ -117,8 +116,7 @@ def bake(
                 chosen = replace(baked_with, use_material_nodes=chosen.use_material_nodes)
             else:
                 known, partners = baked_fingerprint(obj) if resume else b"", sources and sources[obj]
-                tracer = partial(Tracer, settings=chosen, threads=threads, count=count)
-                how = tracer, report, known, threads, preview
+                how = count, report, known, threads, preview
                 work = _bake_object(context, obj, partners, chosen, folder, scenes, *how)
                 result, mark = yield from mapped(work, progress)
                 if chosen.target == "VERTEX":
@@ -178,8 +176,7 @@ def _sketches(
     for obj, settings in settings_of.items():
         with suppress(Exception):
             report = ObjectReport(obj.name, settings.target)
-            tracer = partial(Tracer, settings=settings, threads=threads, count=count)
-            work = _bake_object(context, obj, None, settings, "", scenes, tracer, report, b"", threads, preview)
+            work = _bake_object(context, obj, None, settings, "", scenes, count, report, b"", threads, preview)
             yield from mapped(work, lambda _, name=report.name: Progress(0.0, name))
     preview.is_sketching = False
 
@@ -228,7 +225,7 @@ def _bake_object(
     settings: BakeSettings,
     folder: str,
     scenes: OccluderScenes,
-    tracer: Callable[[Occluders], Tracer],
+    count: RayCount,
     report: ObjectReport,
     known: bytes,
     threads: int | None,
@@ -262,8 +259,8 @@ def _bake_object(
             shown = albedo, read_bent_normal_map(mesh, matrix, uv_map, settings)
             more = settings, folder, projected, *shown, threads
             picture = preview and preview.of_texels(obj, source, settings)
-    tracer = tracer((yield from scenes.scene_for(obj, report.warnings, drawn)))
-    tracer = replace(tracer, albedo=scenes.albedo(report.warnings))
+    occluders = yield from scenes.scene_for(obj, report.warnings, drawn)
+    tracer = Tracer(occluders, settings, threads, count, scenes.albedo(report.warnings))
     work = bake_with(tracer, report, *more, picture)
     made_from = extension_version(), settings.as_property(), folder, scenes.key, tracer.albedo, matrix
     made_from = *made_from, source, projected, shown
