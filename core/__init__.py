@@ -27,5 +27,6 @@ The World's light: ``spherical_harmonics.py``, ``clipped_cone.py`` -> ``bent_con
 
 Beside them ``albedo.py`` (base colours of what blocks light), ``surroundings.py`` (points on what stands around a
 simulated mesh), ``surface.py`` (triangles and their corners), ``scan_conversion.py`` and ``texel_rim.py`` (parts of the
-rasteriser), ``morton.py`` (points along a curve), ``workers.py`` (threads), ``margin.py`` and ``exr.py``.
+rasteriser), ``mesh_parts.py`` (triangles as embreex takes them), ``morton.py`` (points along a curve), ``workers.py``
+(threads), ``margin.py`` and ``exr.py``.
 """

@@ -7,7 +7,6 @@ what is baked lies about the origin, where that is finest, wherever it is in the
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
@@ -16,11 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .closed_parts import in_closed_parts
-from .workers import slices
-
-# What is handed to Embree at once. embreex copies it under Python's lock, about a second for a million triangles, and
-# other threads, as the one that draws a window, get on only in between.
-TRIANGLES_PER_MESH = 2**16
+from .mesh_parts import mesh_parts, triangle_numbers
 
 Falloff = Literal["NONE", "LINEAR", "SMOOTH"]
 
@@ -122,7 +117,7 @@ class Occluders:
         # robust: watertight at the edges of separate faces that meet, where the faster mode leaks.
         self._scene = EmbreeScene(robust=True)
         if len(triangles):
-            self._meshes = [TriangleMesh(self._scene, *part) for part in _parts(self.vertices, triangles)]
+            self._meshes = [TriangleMesh(self._scene, *part) for part in mesh_parts(self.vertices, triangles)]
             # The first ray has Embree build its tree: here, not under the first of many threads.
             self._scene.run(np.zeros((1, 3), np.float32), np.ones((1, 3), np.float32), query="OCCLUDED")
 
@@ -220,7 +215,7 @@ class Occluders:
         else:
             found = self._scene.run(origins, directions, query="INTERSECT", output=True)
             behind = np.einsum("ij,ij->i", found["Ng"], directions) > 0.0
-            triangle = _triangle_numbers(found)
+            triangle = triangle_numbers(found)
             hits = Hits(np.empty(len(origins)), triangle, found["tfar"], found["Ng"], behind, found["u"], found["v"])
         if self.ground_height is not None:
             floor = self._ground(origins, directions) * self.scale
@@ -255,7 +250,7 @@ class Occluders:
         start = origins
         while len(alive):
             hit = self._scene.run(start, directions[alive], query="INTERSECT", output=True)
-            found, triangle = np.flatnonzero(hit["primID"] >= 0), _triangle_numbers(hit)
+            found, triangle = np.flatnonzero(hit["primID"] >= 0), triangle_numbers(hit)
             alive, t, normal = alive[found], hit["tfar"][found].astype(np.float64), hit["Ng"][found]
             travelled[alive] += t
             front = np.einsum("ij,ij->i", normal, directions[alive]) < 0.0
@@ -281,26 +276,6 @@ class Occluders:
         distance = np.full(len(origins), np.inf)
         np.divide(height, down * self.scale, out=distance, where=down > 0.0)
         return distance
-
-
-def _parts(
-    vertices: NDArray[np.float32], triangles: NDArray[np.int32]
-) -> Iterator[tuple[NDArray[np.float64], NDArray[np.object_]]]:
-    """Meshes of TRIANGLES_PER_MESH, each with the vertices that it needs. embreex takes number after number out of
-    them, from tuples and doubles sooner than from rows and single precision."""
-    for part in slices(len(triangles), TRIANGLES_PER_MESH):
-        first = triangles[part].min()
-        local = triangles[part] - first
-        used = np.zeros(local.max() + 1, bool)
-        used[local] = True
-        number = np.cumsum(used, dtype=np.int32) - 1
-        corners = number[local].view("i4,i4,i4").reshape(-1)
-        yield vertices[first : first + len(used)][used].astype(np.float64), corners.astype(object)
-
-
-def _triangle_numbers(found: dict[str, NDArray]) -> NDArray[np.int32]:
-    """Which triangles Embree has ``found``, -1 where none: it counts those of each of the meshes anew."""
-    return np.where(found["primID"] < 0, -1, found["primID"] + TRIANGLES_PER_MESH * found["geomID"])
 
 
 def _no_hits(rays: int) -> Hits:

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The only room that reads and writes Blender's data.
 
-The doors: bake.py, clear.py, add_nodes.py with ``openness``, fit_bounces.py, with ``settings`` and ``poll``;
+The doors: bake.py, clear.py, add_nodes.py with ``openness``, fit_bounces.py, with ``settings``, ``overrides`` and
+           ``poll``;
            command_line.py with ``command_bake``, ``command_merge``, ``command_fit`` and what these share, in
            ``command_scene``.
 The bake:  bake_job.py, which passes data through

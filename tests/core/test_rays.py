@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from core import rays
+from core import mesh_parts
 from core.rays import Obscurance, Occluders
 
 
@@ -25,7 +25,7 @@ def test_triangles_keep_their_numbers_in_several_meshes(monkeypatch, ignore_back
     obscurance = Obscurance(ignore_backfaces=ignore_backfaces)
     together = Occluders(vertices, triangles)
     one = together.hits(origins, directions, obscurance)
-    monkeypatch.setattr(rays, "TRIANGLES_PER_MESH", 64)
+    monkeypatch.setattr(mesh_parts, "TRIANGLES_PER_MESH", 64)
     several = Occluders(vertices, triangles).hits(origins, directions, obscurance)
     met = one.triangle >= 0
     assert 0.2 < met.mean() < 0.999
