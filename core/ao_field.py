@@ -137,7 +137,9 @@ class AOField:
     def caps(self, positions: ArrayLike, *, plain_cap: bool = False) -> Caps:
         """What ``positions`` (k, 3) see of the object; inside its hull, what the place above on the hull sees."""
         r, omega = self._polar(positions)
-        a, b, c, d, r0, e = lookup(np.stack((self.a, self.b, self.c, self.d, self.r0, self.e), axis=-1), omega).T
+        # A row each: numpy's powers of columns round otherwise where the result happens to lie right behind them.
+        of_shape = lookup(np.stack((self.a, self.b, self.c, self.d, self.r0, self.e), axis=-1), omega)
+        a, b, c, d, r0, e = np.ascontiguousarray(of_shape.T)
         r_clamp = np.maximum(r, r0)
         root = d * r_clamp * np.sqrt(r_clamp * r_clamp - r0 * r0)
         Omega = 1.0 / ((a * r_clamp + b) * r_clamp + c + root)
